@@ -12,6 +12,7 @@
 #include "grpcpp/grpcpp.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "server/app/closure/door_closures.h"
+#include "server/app/priors/plan_realigner.h"
 #include "server/app/rearrange/rearranger.h"
 #include "server/app/runtime/maintenance_jobs.h"
 #include "server/app/services.h"
@@ -42,6 +43,7 @@ constexpr int kSlowThreads = 2;
 constexpr std::size_t kMaxQueuedSlowCalls = 200;
 constexpr int kWatchThreads = 2;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
+constexpr double kLongestRealignPoll = 60.0;  // s
 
 std::chrono::seconds WholeSeconds(double seconds) { return std::chrono::seconds(static_cast<std::int64_t>(seconds)); }
 
@@ -170,6 +172,16 @@ class Server::Impl {
                          .deleted_session = WholeSeconds(options.retention.deleted_session_s),
                          .unused_blob = WholeSeconds(options.retention.unused_blob_s)},
                         *metrics));
+    if (options.prior_maps.realign_s > 0.0) {
+      realigner =
+          std::make_unique<PlanRealigner>(prior_maps, prior_alignment, WholeSeconds(options.prior_maps.realign_s));
+      realign_loop = std::make_unique<MaintenanceLoop>(
+          MaintenanceLoop::Options{
+              .interval = std::chrono::duration<double>(std::min(options.prior_maps.realign_s, kLongestRealignPoll)),
+              .is_ready = [this] { return readiness->state().ready; },
+              .on_tick = [] {}},
+          std::vector<MaintenanceJob>{realigner->Job()});
+    }
     return absl::OkStatus();
   }
 
@@ -320,6 +332,8 @@ class Server::Impl {
   std::unique_ptr<Services> services;
   std::unique_ptr<Api> api;
   std::unique_ptr<MaintenanceLoop> maintenance_loop;
+  std::unique_ptr<PlanRealigner> realigner;       // null: plans are not aligned again by themselves
+  std::unique_ptr<MaintenanceLoop> realign_loop;  // on a thread of its own, because an alignment takes seconds
   std::string address;
   std::unique_ptr<grpc::Server> grpc;
 };

@@ -29,4 +29,16 @@ absl::StatusOr<Clock::duration> MapToEnd(const Globals& globals, sources::LogRea
   return spent + (Clock::now() - begin);
 }
 
+absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(sources::LogReader& reader) {
+  sensor::ScanPairing pairing{sensor::ScanPairingOptions{}};
+  std::vector<sensor::PairedScan> scans;
+  for (std::int64_t sequence = 1;; ++sequence) {
+    ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
+    if (!entry) break;
+    pairing.Add(sequence, std::move(entry->payload), scans);
+  }
+  pairing.Flush(scans);
+  return scans;
+}
+
 }  // namespace enfilade::cli

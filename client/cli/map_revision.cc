@@ -2,6 +2,7 @@
 #include "client/cli/map_revision.h"
 
 #include <algorithm>
+#include <iostream>
 
 #include "client/cli/remote.h"
 #include "core/base/error.h"
@@ -30,6 +31,18 @@ absl::StatusOr<std::string> FindRevision(const client::Connection& connection, c
   if (at + 1 == text.size())
     return InvalidArgument("\"{}\": expected the number of a revision or an alias after @", text);
   return RevisionNameOf(map, text.substr(at + 1));
+}
+
+nlohmann::json RevisionToJson(const v1::MapRevision& revision) {
+  return {{"revision", revision.name()},
+          {"width", revision.width()},
+          {"height", revision.height()},
+          {"resolution_m", revision.resolution_m()}};
+}
+
+void PrintRevision(const v1::MapRevision& revision) {
+  std::cout << revision.name() << ": " << revision.width() << " x " << revision.height() << " cells of "
+            << revision.resolution_m() << " m\n";
 }
 
 }  // namespace enfilade::cli

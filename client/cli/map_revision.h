@@ -7,6 +7,7 @@
 #include "client/cli/command.h"
 #include "client/sdk/connection.h"
 #include "enfilade/v1/map.pb.h"
+#include "nlohmann/json.hpp"
 
 namespace enfilade::cli {
 
@@ -18,5 +19,9 @@ absl::StatusOr<std::string> RevisionNameOf(const v1::Map& map, const std::string
 // revision or an alias stays as it is. NOT_FOUND: no such map.
 absl::StatusOr<std::string> FindRevision(const client::Connection& connection, const Globals& globals,
                                          const std::string& text);
+
+// As programs and people read what a revision is.
+nlohmann::json RevisionToJson(const v1::MapRevision& revision);
+void PrintRevision(const v1::MapRevision& revision);
 
 }  // namespace enfilade::cli

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/sdk/api/map_import.h"
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
@@ -16,8 +17,13 @@ namespace {
 
 class BuildingImport {
  public:
-  BuildingImport(const Connection& connection, const SiteId& site, std::string prefix, ImportReport& report)
-      : connection_(connection), site_(NameOf(site)), prefix_(std::move(prefix)), report_(report) {}
+  BuildingImport(const Connection& connection, const SiteId& site, std::string prefix,
+                 const std::vector<LevelDrawing>& drawings, ImportReport& report)
+      : connection_(connection),
+        site_(NameOf(site)),
+        prefix_(std::move(prefix)),
+        drawings_(drawings),
+        report_(report) {}
 
   absl::Status Run(const prior::Building& building) {
     for (const prior::BuildingRemark& remark : building.remarks) {
@@ -27,7 +33,7 @@ class BuildingImport {
         report_.Remark(remark.item, remark.why);
       }
     }
-    for (const prior::BuildingLevel& level : building.levels) ENFILADE_RETURN_IF_ERROR(TakeLevel(level));
+    for (std::size_t i = 0; i < building.levels.size(); ++i) ENFILADE_RETURN_IF_ERROR(TakeLevel(building.levels[i], i));
     for (const prior::BuildingLift& lift : building.lifts) ENFILADE_RETURN_IF_ERROR(TakeLift(lift));
     for (std::size_t i = 0; i < building.levels.size(); ++i) {
       for (const prior::BuildingDoor& door : building.levels[i].doors) {
@@ -38,7 +44,7 @@ class BuildingImport {
   }
 
  private:
-  absl::Status TakeLevel(const prior::BuildingLevel& level) {
+  absl::Status TakeLevel(const prior::BuildingLevel& level, std::size_t index) {
     v1::CreateMapRequest request;
     request.set_parent(site_);
     request.mutable_map()->set_display_name(prefix_ + level.name);
@@ -53,9 +59,17 @@ class BuildingImport {
     maps_.push_back(created.ok() ? created->map().name() : "");
     if (created.ok()) {
       report_.Taken("levels " + level.name, created->map().name());
-    } else {
-      report_.Refused("levels " + level.name, std::string(created.status().message()));
+      return DrawLevel("levels " + level.name, index);
     }
+    report_.Refused("levels " + level.name, std::string(created.status().message()));
+    return absl::OkStatus();
+  }
+
+  absl::Status DrawLevel(const std::string& item, std::size_t index) {
+    if (index >= drawings_.size() || drawings_[index].empty()) return absl::OkStatus();
+    const absl::Status status = ImportMap(connection_, maps_[index], v1::MAP_DIALECT_NAV2, drawings_[index]).status();
+    if (EndsImport(status)) return status;
+    if (!status.ok()) report_.Remark(item, "its walls are not drawn: " + std::string(status.message()));
     return absl::OkStatus();
   }
 
@@ -105,6 +119,7 @@ class BuildingImport {
   const Connection& connection_;
   const std::string site_;
   const std::string prefix_;
+  const std::vector<LevelDrawing>& drawings_;
   std::vector<std::string> maps_;  // resource names by level; empty if it was refused
   ImportReport& report_;
 };
@@ -112,8 +127,9 @@ class BuildingImport {
 }  // namespace
 
 absl::Status ImportBuilding(const Connection& connection, const SiteId& site, const prior::Building& building,
-                            const std::string& prefix, ImportReport& report) {
-  return BuildingImport(connection, site, prefix, report).Run(building);
+                            const std::string& prefix, const std::vector<LevelDrawing>& drawings,
+                            ImportReport& report) {
+  return BuildingImport(connection, site, prefix, drawings, report).Run(building);
 }
 
 }  // namespace enfilade::client

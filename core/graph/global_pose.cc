@@ -7,6 +7,7 @@
 #include "absl/base/call_once.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/graph/graph_optimization.h"
 
 namespace enfilade::graph {
 namespace {
@@ -123,6 +124,18 @@ absl::StatusOr<std::optional<GlobalPose>> WorldPoses::Find(const MapId& map,
   result.hops = std::move(chain.hops);
   result.robot_share = chain.end_share;
   return std::optional<GlobalPose>(std::move(result));
+}
+
+absl::Status ExplainPlans(const GraphSnapshot& graph, GlobalPose& pose) {
+  if (pose.plans.empty()) return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(const SolvedGraph solution, OptimizeGraph(graph, {.shares_of = pose.base_map}));
+  const Pose2 T_base_robot = Between(pose.T_world_base.pose, pose.T_world_robot.pose);
+  for (const PlanShare& part : solution.plan_shares) {
+    const Eigen::Matrix3d share = Compose({pose.T_world_base.pose, part.share}, {.pose = T_base_robot}).covariance;
+    pose.plan_hops.push_back({part.plan, part.wall, share});
+    pose.base_share -= share;
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::optional<MapTransform>> FindTransform(const GraphSnapshot& graph, const MapId& a, const MapId& b,

@@ -17,6 +17,13 @@
 
 namespace enfilade::graph {
 
+// What a plan in use contributes to a pose.
+struct PlanHop {
+  PriorMapId plan;
+  int wall = -1;  // as PlanShare::wall
+  Eigen::Matrix3d share = Eigen::Matrix3d::Zero();
+};
+
 // A pose in the world frame, with its derivation.
 struct GlobalPose {
   PoseWithCovariance T_world_robot = {};
@@ -26,12 +33,14 @@ struct GlobalPose {
   PoseWithCovariance T_world_base = {};
   // The graph version of the optimisation that gave T_world_base; unset: no optimisation, base_map is the root.
   std::optional<std::int64_t> solution_version = {};
-  // base_share + the hops' shares + robot_share = the covariance of T_world_robot.
+  // base_share + the shares of plan_hops and hops + robot_share = the covariance of T_world_robot.
   Eigen::Matrix3d base_share = Eigen::Matrix3d::Zero();
   std::vector<PoseHop> hops = {};
   Eigen::Matrix3d robot_share = Eigen::Matrix3d::Zero();
   // Plans in use of which the base map has seen walls: they are part of what gave T_world_base.
   std::vector<PriorMapId> plans = {};
+  // Of these plans, if ExplainPlans was called; else they are part of base_share.
+  std::vector<PlanHop> plan_hops = {};
 };
 
 // World poses from one snapshot. Maps posed by the solution need no search; the first other map costs one search over
@@ -68,6 +77,11 @@ class WorldPoses {
   PathOptions options_;
   std::unique_ptr<Chains> chains_;
 };
+
+// Splits what plans contribute from pose.base_share: one hop for each wall that the base map has seen, and one for
+// everything else that a plan says. `pose` is by `graph`. Takes an optimisation, if plans are part of the pose. Errors
+// of OptimizeGraph.
+absl::Status ExplainPlans(const GraphSnapshot& graph, GlobalPose& pose);
 
 // T_a_b of two maps, with its derivation.
 struct MapTransform {

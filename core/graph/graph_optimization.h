@@ -19,6 +19,8 @@ struct GraphOptimizationOptions {
   int max_iterations = 100;
   // Limit of rounds of switching off and solving again.
   int max_rounds = 20;
+  // The map of which SolvedGraph::plan_shares is wanted; empty: of none.
+  MapId shares_of = {};
 };
 
 // Estimates the world poses of all maps connected to the root: minimises, over T_world_map with the root fixed at the

@@ -44,6 +44,15 @@ struct PlanUse {
   friend bool operator==(const PlanUse&, const PlanUse&) = default;
 };
 
+// What a plan contributes to the covariance of a map's pose: (x, y, yaw) of T_world_map, m^2, m rad, rad^2.
+struct PlanShare {
+  PriorMapId plan = {};
+  // The number in the plan of a wall that the map has seen; -1: everything else, that is how the plan is drawn, and
+  // what other maps have seen of it.
+  int wall = -1;
+  Eigen::Matrix3d share = Eigen::Matrix3d::Zero();
+};
+
 // The poses of the maps after an optimisation.
 struct SolvedGraph {
   std::int64_t graph_version = 0;  // of the input
@@ -54,6 +63,7 @@ struct SolvedGraph {
   std::vector<SwitchedOff> switched_off = {};  // sorted by id
   std::vector<MapId> disconnected = {};        // from the root; sorted by id
   std::vector<PlanUse> plans = {};             // of each plan that the graph has, by id
+  std::vector<PlanShare> plan_shares = {};     // of GraphOptimizationOptions::shares_of; by plan, then by wall
 
   double chi2_before = 0.0;  // at the initial poses, over the link points in use afterwards
   double chi2_after = 0.0;

@@ -23,7 +23,7 @@ absl::Status Import(const client::Connection& connection, const enfilade::SiteId
   const auto building = enfilade::prior::ParseBuilding(*yaml);
   if (!building.ok()) return building.status();
   client::ImportReport report;
-  const absl::Status status = client::ImportBuilding(connection, site, *building, building->name + " ", report);
+  const absl::Status status = client::ImportBuilding(connection, site, *building, building->name + " ", {}, report);
   std::cout << report.taken() << " items imported, " << report.refused() << " refused\n";
   return status;
 }

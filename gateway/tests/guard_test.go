@@ -31,6 +31,10 @@ func TestSecurity_WhatNoClientOfOursSendsIsRefused(t *testing.T) {
 			http.StatusMethodNotAllowed},
 		{"too large", "POST", optimize, `{"site": "` + strings.Repeat("x", 2<<20) + `"}`,
 			header{"Content-Type": "application/json"}, http.StatusRequestEntityTooLarge},
+		{"a plan of usual size", "POST", "/v1/" + site + "/priorMaps/none:edit", `{"plan": "` + strings.Repeat("x", 2<<20) + `"}`,
+			header{"Content-Type": "application/json"}, http.StatusNotFound},
+		{"too large a plan", "POST", "/v1/" + site + "/priorMaps/none:edit", `{"plan": "` + strings.Repeat("x", 33<<20) + `"}`,
+			header{"Content-Type": "application/json"}, http.StatusRequestEntityTooLarge},
 		{"many parts", "POST", "/v1/" + site + "/linkPoints:find", `{"polygonWorld": {"points": [` +
 			strings.TrimSuffix(strings.Repeat(`{},`, 100_000), ",") + `]}}`,
 			header{"Content-Type": "application/json"}, http.StatusBadRequest},

@@ -51,31 +51,36 @@ PlanKind KindOf(std::string_view bytes) {
   return PlanKind::kPicture;
 }
 
-// Twice the area of rooms by their circumference: what is narrower lies within a wall.
-double NarrowestRoom(const prior::PlanGraph& plan) {
-  double thickest = 0;
-  for (const prior::PlanWall& wall : plan.walls) thickest = std::max(thickest, wall.thickness);
-  return std::max(thickest, 1e-3 * prior::WallLength(plan) / std::sqrt(static_cast<double>(plan.walls.size())));
+void AddRooms(PlanFile& file) {
+  const double narrowest = prior::NarrowestRoom(file.graph);
+  if (prior::IsCrowded(file.graph, narrowest)) {
+    file.warnings.push_back("too many walls lie side by side to look for rooms");
+  } else {
+    file.graph.rooms = prior::FindRooms(file.graph, narrowest);
+  }
 }
 
-double DiagonalOfPlan(const prior::PlanGraph& plan) {
-  if (plan.corners.empty()) return 0;
-  Eigen::Vector2d low = plan.corners.front().point, high = low;
-  for (const prior::PlanCorner& corner : plan.corners) {
-    low = low.cwiseMin(corner.point);
-    high = high.cwiseMax(corner.point);
-  }
-  return (high - low).norm();
+absl::Status CheckLines(const prior::PlanGraph& lines) {
+  if (lines.walls.size() > prior::kMostWalls) return prior::CheckPlan(lines);
+  return prior::Validate(lines);
 }
 
 // Lines of a drawing become a planar graph with doors where its lines leave gaps.
-PlanFile FromLines(prior::VectorPlan drawing, const std::optional<PlanMeasure>& measure) {
+absl::StatusOr<PlanFile> FromLines(prior::VectorPlan drawing, const std::optional<PlanMeasure>& measure) {
   PlanFile file{std::move(drawing.graph), std::move(drawing.warnings), std::nullopt};
   if (measure) file.graph.metres_per_unit = MetresPerUnit(*measure, file.graph);
-  const double diagonal = DiagonalOfPlan(file.graph);
-  constexpr double kWeldMetres = 0.05, kWeldShare = 5e-4;
-  const double weld = file.graph.metres_per_unit ? kWeldMetres / *file.graph.metres_per_unit : kWeldShare * diagonal;
-  file.graph = prior::Planarise(file.graph, std::min(weld, 0.01 * diagonal));
+  ENFILADE_RETURN_IF_ERROR(CheckLines(file.graph));
+  const double diagonal = prior::DiagonalOf(file.graph);
+  const double weld = prior::JoinDistance(file.graph);
+  if (prior::IsCrowded(file.graph, weld)) {
+    return ResourceExhausted("{} lines, of which too many lie within {:g} units of each other: choose layers",
+                             file.graph.walls.size(), weld);
+  }
+  file.graph = prior::Planarise(file.graph, weld);
+  if (file.graph.walls.size() > prior::kMostWalls) {
+    return ResourceExhausted("the lines cross so often that there are more than {} walls: choose layers",
+                             prior::kMostWalls);
+  }
   if (file.graph.doors.empty()) file.graph.doors = FindDoors(file.graph, diagonal);
   return file;
 }
@@ -94,7 +99,7 @@ absl::StatusOr<PlanFile> FromBuilding(std::string_view bytes, const ReadPlanOpti
     }
     return InvalidArgument("the building has no level \"{}\"; it has {}", options.level, names);
   }
-  PlanFile file = FromLines({prior::PlanOfLevel(building, *chosen), {}}, std::nullopt);
+  ENFILADE_ASSIGN_OR_RETURN(PlanFile file, FromLines({prior::PlanOfLevel(building, *chosen), {}}, std::nullopt));
   for (const prior::BuildingRemark& remark : building.remarks) file.warnings.push_back(remark.item + ": " + remark.why);
   if (building.levels.size() > 1 && options.level.empty()) {
     file.warnings.push_back(fmt::format("level {} of {} was read", building.levels[*chosen].name, names));
@@ -147,7 +152,7 @@ absl::StatusOr<PlanFile> DecodePlan(std::string_view bytes, const ReadPlanOption
   ENFILADE_RETURN_IF_ERROR(CheckMeasure(options.measure));
   ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, options));
   ENFILADE_RETURN_IF_ERROR(prior::CheckPlan(file.graph));
-  if (file.graph.rooms.empty()) file.graph.rooms = prior::FindRooms(file.graph, NarrowestRoom(file.graph));
+  if (file.graph.rooms.empty()) AddRooms(file);
   if (!file.graph.metres_per_unit) file.warnings.push_back("the scale is unknown: give a measured distance");
   return file;
 }

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
+
+#include "core/prior/plan/segment_grid.h"
 
 namespace enfilade::perception {
 namespace {
@@ -40,53 +43,84 @@ std::vector<FreeEnd> FreeEndsOf(const prior::PlanGraph& plan) {
   return ends;
 }
 
+constexpr double kBeyondWall = 0.02;  // of a wall's length: a ray hits it that far beyond its ends
+
 // The nearest wall that the ray from an end hits within `reach`.
-std::optional<double> FirstHit(const prior::PlanGraph& plan, const FreeEnd& end, double reach) {
+std::optional<double> FirstHit(const prior::PlanGraph& plan, const prior::SegmentGrid& walls, const FreeEnd& end,
+                               double reach) {
   std::optional<double> nearest;
-  for (std::size_t i = 0; i < plan.walls.size(); ++i) {
-    if (static_cast<int>(i) == end.wall) continue;
+  walls.ForEachNear(end.point, end.point + reach * end.outward, [&](int i) {
+    if (i == end.wall) return;
     const Vector2d a = plan.corners[plan.walls[i].from].point;
     const Vector2d along = plan.corners[plan.walls[i].to].point - a;
     const double turn = end.outward.x() * along.y() - end.outward.y() * along.x();
-    if (std::abs(turn) < 0.3 * along.norm()) continue;
+    if (std::abs(turn) < 0.3 * along.norm()) return;
     const Vector2d offset = a - end.point;
     const double distance = (offset.x() * along.y() - offset.y() * along.x()) / turn;
     const double share = (offset.x() * end.outward.y() - offset.y() * end.outward.x()) / turn;
-    if (distance <= 0 || distance > reach || share < -0.02 || share > 1.02) continue;
+    if (distance <= 0 || distance > reach || share < -kBeyondWall || share > 1 + kBeyondWall) return;
     if (!nearest || distance < *nearest) nearest = distance;
-  }
+  });
   return nearest;
 }
 
+// How far an end may lie aside of the line of another that faces it.
+double LooseBetween(double thickness, double other) { return std::max(2.0, 0.6 * std::max(thickness, other)); }
+
 // The nearest end that faces this one in line.
-std::optional<int> FacingEnd(const std::vector<FreeEnd>& ends, std::size_t index, double reach) {
+std::optional<int> FacingEnd(const std::vector<FreeEnd>& ends, const prior::SegmentGrid& grid, int index,
+                             double reach) {
   constexpr double kFacing = -0.98;  // the cosine of 168 degrees
   const FreeEnd& end = ends[index];
   std::optional<int> best;
   double nearest = reach;
-  for (std::size_t j = 0; j < ends.size(); ++j) {
-    if (j == index || end.outward.dot(ends[j].outward) > kFacing) continue;
-    const Vector2d gap = ends[j].point - end.point;
+  grid.ForEachNear(end.point, end.point + reach * end.outward, [&](int j) {
+    const FreeEnd& other = ends[j];
+    if (j == index || end.outward.dot(other.outward) > kFacing) return;
+    const Vector2d gap = other.point - end.point;
     const double along = gap.dot(end.outward);
     const double aside = std::abs(gap.x() * end.outward.y() - gap.y() * end.outward.x());
-    const double loose = std::max(2.0, 0.6 * std::max(end.thickness, ends[j].thickness));
-    if (along <= 0 || along > nearest || aside > loose) continue;
+    if (along <= 0 || along > nearest || aside > LooseBetween(end.thickness, other.thickness)) return;
+    if (best && along == nearest && j < *best) return;
     nearest = along;
-    best = static_cast<int>(j);
-  }
+    best = j;
+  });
   return best;
+}
+
+// Ends, and walls, by where they are: those near a ray are found without a look at all of them.
+prior::SegmentGrid GridOfEnds(const std::vector<FreeEnd>& ends, double cell) {
+  double thickest = 0;
+  for (const FreeEnd& end : ends) thickest = std::max(thickest, end.thickness);
+  prior::SegmentGrid grid(std::max(LooseBetween(thickest, 0), cell));
+  for (std::size_t i = 0; i < ends.size(); ++i) grid.Add(static_cast<int>(i), ends[i].point, ends[i].point);
+  return grid;
+}
+
+prior::SegmentGrid GridOfSides(const prior::PlanGraph& plan, double cell) {
+  prior::SegmentGrid grid(cell);
+  for (std::size_t i = 0; i < plan.walls.size(); ++i) {
+    const Vector2d a = plan.corners[plan.walls[i].from].point, b = plan.corners[plan.walls[i].to].point;
+    grid.Add(static_cast<int>(i), a - kBeyondWall * (b - a), b + kBeyondWall * (b - a));
+  }
+  return grid;
 }
 
 std::vector<Opening> OpeningsOf(const prior::PlanGraph& plan, const std::vector<FreeEnd>& ends, double reach) {
   std::vector<Opening> openings;
+  if (ends.empty()) return openings;
+  const double cell = std::max(prior::WallLength(plan) / static_cast<double>(plan.walls.size()), reach / 100);
+  const prior::SegmentGrid sides = GridOfSides(plan, cell);
+  const prior::SegmentGrid grid = GridOfEnds(ends, cell);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const std::optional<double> hit = FirstHit(plan, ends[i], reach);
-    const std::optional<int> facing = FacingEnd(ends, i, hit ? std::min(reach, *hit) : reach);
-    if (facing && *facing < static_cast<int>(i)) continue;  // found from the other end
+    const int index = static_cast<int>(i);
+    const std::optional<double> hit = FirstHit(plan, sides, ends[i], reach);
+    const std::optional<int> facing = FacingEnd(ends, grid, index, hit ? std::min(reach, *hit) : reach);
+    if (facing && *facing < index) continue;  // found from the other end
     if (facing) {
-      openings.push_back({static_cast<int>(i), *facing, ends[i].point, ends[*facing].point});
+      openings.push_back({index, *facing, ends[i].point, ends[*facing].point});
     } else if (hit) {
-      openings.push_back({static_cast<int>(i), -1, ends[i].point, ends[i].point + *hit * ends[i].outward});
+      openings.push_back({index, -1, ends[i].point, ends[i].point + *hit * ends[i].outward});
     }
   }
   return openings;
@@ -94,14 +128,15 @@ std::vector<Opening> OpeningsOf(const prior::PlanGraph& plan, const std::vector<
 
 // The width that most openings have: that with the most others within a quarter of it.
 double UsualWidth(const std::vector<Opening>& openings) {
+  std::vector<double> widths;
+  for (const Opening& opening : openings) widths.push_back(opening.width());
+  std::sort(widths.begin(), widths.end());
   double usual = 0;
-  int most = 0;
+  std::ptrdiff_t most = 0;
   for (const Opening& opening : openings) {
-    const auto like = [&](const Opening& other) {
-      return std::abs(std::log(other.width() / opening.width())) < std::log(1.25);
-    };
-    const int count = static_cast<int>(std::count_if(openings.begin(), openings.end(), like));
-    if (count > most) most = count, usual = opening.width();
+    const auto first = std::upper_bound(widths.begin(), widths.end(), opening.width() / 1.25);
+    const auto last = std::lower_bound(widths.begin(), widths.end(), opening.width() * 1.25);
+    if (last - first > most) most = last - first, usual = opening.width();
   }
   return usual;
 }

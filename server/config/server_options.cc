@@ -58,6 +58,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("transfers.upload_directory", options.transfers.upload_directory);
   visit("survey.share", options.survey.share);
   visit("survey.cache_bytes", options.survey.cache_bytes);
+  visit("prior_maps.realign_s", options.prior_maps.realign_s);
   visit("retention.interval_s", options.retention.interval_s);
   visit("retention.undo_s", options.retention.undo_s);
   visit("retention.idle_session_s", options.retention.idle_session_s);
@@ -272,6 +273,10 @@ absl::Status ServerOptions::Validate() const {
   if (absl::Status status = closure.Validate(); !status.ok()) return WithContext(status, "option closure");
   if (!(survey.share >= 0.0 && survey.share <= 1.0)) {
     return InvalidArgument("survey.share is {}: expected 0 to 1", survey.share);
+  }
+  if (prior_maps.realign_s != 0.0 && !(prior_maps.realign_s >= 1.0 && prior_maps.realign_s <= kCentury)) {
+    return InvalidArgument("prior_maps.realign_s is {}: expected 0, or 1 to {}, which is a century",
+                           prior_maps.realign_s, kCentury);
   }
   ENFILADE_RETURN_IF_ERROR(RequireAtLeast("retention.interval_s", retention.interval_s, 0.1));
   if (!(retention.undo_s >= 0.0 && retention.undo_s <= kCentury)) {

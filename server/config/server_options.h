@@ -115,6 +115,12 @@ struct ServerOptions {
     std::string upload_directory;
   } transfers;
 
+  struct PriorMaps {
+    // Plans in use are aligned again when robots have mapped more since, each at most this often, s, 1 or more. It
+    // takes seconds of a processor each time. 0: never.
+    double realign_s = 600.0;
+  } prior_maps;
+
   struct Retention {
     // How often what is past its retention is deleted, s: what sites say, and what follows.
     double interval_s = 300.0;

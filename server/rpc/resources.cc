@@ -250,6 +250,12 @@ absl::StatusOr<storage::RequestId> MakeRequestId(const std::string& id, const st
                          id.size(), kMaxRequestIdBytes);
 }
 
+std::string IdOfRequest(const std::string& request_id) {
+  std::string id = "r";
+  for (const char c : Sha256(request_id).substr(0, 16)) id += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  return id;
+}
+
 absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable) {
   for (const std::string& path : mask.paths()) {
     if (std::find(editable.begin(), editable.end(), path) == editable.end()) {

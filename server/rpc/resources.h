@@ -54,6 +54,9 @@ absl::StatusOr<storage::RequestId> RequestIdOf(const Request& request) {
   return MakeRequestId(request.request_id(), request.SerializeAsString());
 }
 
+// The id of what a request without an id creates: the same for the same request_id.
+std::string IdOfRequest(const std::string& request_id);
+
 // INVALID_ARGUMENT if a path of `mask` is not one of the editable fields.
 absl::Status CheckMask(const google::protobuf::FieldMask& mask, std::initializer_list<const char*> editable);
 

@@ -72,6 +72,8 @@ struct StoredPlanTies {
   PriorMapId prior_map;
   std::string sha256;  // of the bytes
   std::string bytes;   // graph::EncodePlanTies; empty: the caller has them
+  // Those of its alignment that are still there: no other is tied, not even one that was made again under its id.
+  std::vector<MapId> maps = {};
 };
 
 // A prior map that contradicts what robots have measured.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -29,7 +30,7 @@ enum class PriorMapState {
   kSuspended = 5,
 };
 
-// What was found in the file.
+// What was found in the file, and corrected by people.
 struct PriorMapElements {
   int walls = 0;
   int corners = 0;
@@ -52,7 +53,7 @@ struct PriorMapAlignment {
   double explained = 0;
   double contradicted = 0;
   double rival_ratio = 0;
-  std::vector<MapId> maps;
+  std::vector<MapId> maps;  // without those that were deleted since
   std::int64_t graph_version = 0;
   std::vector<PriorMapPair> pairs;
   int tied_walls = 0;              // how often a map has seen a wall of the plan
@@ -80,7 +81,7 @@ struct PriorMap {
 // The numbers are those of the database.
 enum class PriorMapProduct {
   kSheet = 1,      // the imported file
-  kPlan = 2,       // what was found in it
+  kPlan = 2,       // what was found in it, and corrected by people
   kCorrected = 3,  // the plan as it is built
   kPlanning = 4,
   kPicture = 5,
@@ -108,6 +109,11 @@ struct PriorMapOutcome {
   // Unset: the last one stays, with what was made by it.
   std::optional<PriorMapAlignment> alignment = std::nullopt;
   std::vector<NewPriorMapFile> files = {};  // of the alignment
+  // When each map of the alignment was created. One that was deleted meanwhile, or made again, is left out of it.
+  // Unset: not compared.
+  std::optional<std::vector<TimeNs>> map_create_times = std::nullopt;
+  // With kActive: the etags of all other prior maps of the level in use that may be so beside this one. Unset: any may.
+  std::optional<std::vector<std::int64_t>> beside = std::nullopt;
 };
 
 // Prior maps with their files, whose blobs they keep. While one is in use (kActive) it ties maps together: what changes
@@ -126,17 +132,24 @@ class PriorMapStore {
   // By id.
   absl::StatusOr<std::vector<PriorMap>> List(const CallContext& context, const SiteId& site,
                                              const PageRequest& page) const;
+  // Prior maps in use, of all sites, that were aligned at least `age` ago and before a map of their level got its
+  // present revision; those that were aligned first come first.
+  absl::StatusOr<std::vector<PriorMap>> ListOutgrown(const CallContext& context, std::chrono::seconds age,
+                                                     std::int64_t limit) const;
   // NOT_FOUND; ALREADY_EXISTS.
   absl::StatusOr<PriorMap> Rename(const CallContext& context, const SiteId& site, const PriorMapId& id,
                                   std::int64_t etag, const std::string& display_name) const;
-  // NOT_FOUND.
-  absl::StatusOr<PriorMap> SetState(const CallContext& context, const SiteId& site, const PriorMapId& id,
-                                    std::int64_t etag, PriorMapState state, const std::string& reason) const;
-  // NOT_FOUND.
+  // NOT_FOUND. ABORTED, too, if a prior map of the level is in use that is not listed in `beside`.
   absl::StatusOr<PriorMap> SetOutcome(const CallContext& context, const SiteId& site, const PriorMapId& id,
                                       std::int64_t etag, const PriorMapOutcome& outcome) const;
-  // NOT_FOUND.
-  absl::Status Delete(const CallContext& context, const SiteId& site, const PriorMapId& id, std::int64_t etag) const;
+  // The plan that people have corrected, as the file of its product kPlan. What the last alignment has made is deleted,
+  // but for where it has placed the plan; the state becomes kNew. NOT_FOUND.
+  absl::StatusOr<PriorMap> ReplacePlan(const CallContext& context, const SiteId& site, const PriorMapId& id,
+                                       std::int64_t etag, const PriorMapElements& elements, const NewPriorMapFile& plan,
+                                       const std::string& reason) const;
+  // NOT_FOUND. FAILED_PRECONDITION, naming the maps that it ties, if it is in use and `force` is not set.
+  absl::Status Delete(const CallContext& context, const SiteId& site, const PriorMapId& id, std::int64_t etag,
+                      bool force) const;
   // By product and name; none if there is no such prior map.
   absl::StatusOr<std::vector<PriorMapFile>> ListFiles(const CallContext& context, const SiteId& site,
                                                       const PriorMapId& id) const;

@@ -44,6 +44,9 @@ bool Decode(std::string_view bytes) {
     Expect(std::all_of(level.outline.begin(), level.outline.end(),
                        [](const Eigen::Vector2d& corner) { return corner.allFinite(); }),
            "an outline is finite");
+    Expect(std::all_of(level.walls.begin(), level.walls.end(),
+                       [](const prior::BuildingWall& wall) { return wall.a.allFinite() && wall.b.allFinite(); }),
+           "walls are finite");
   }
   for (const prior::BuildingLift& lift : building->lifts) {
     for (const prior::BuildingLift::Stop& stop : lift.stops) {

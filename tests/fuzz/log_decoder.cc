@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recorded logs, plain or compressed: of the format ENFILADE_FUZZED_LOG.
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <fstream>
 #include <iterator>
 
 #include "client/sources/formats/json_lines_writer.h"
 #include "client/sources/log_reader.h"
 #include "tests/fuzz/decoder.h"
+#include "tests/fuzz/memory_file.h"
 
 namespace enfilade::fuzz {
 namespace {
@@ -36,22 +34,6 @@ std::vector<std::string> OwnLogs() { return {ProjectLog("wean_hall.log")}; }
 constexpr auto kFormat = sources::LogFormat::kMinesParis;
 std::vector<std::string> OwnLogs() { return {ProjectLog("mines_paris.dat")}; }
 #endif
-
-// A file in memory, with a path.
-class MemoryFile {
- public:
-  explicit MemoryFile(std::string_view bytes) : descriptor_(memfd_create("log", 0)) {
-    Expect(descriptor_ >= 0, "memfd_create");
-    Expect(write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()), "write");
-  }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
 
 // False at the first line that is refused.
 bool ReadWhole(const std::string& path, bool skip_bad_lines) {

@@ -98,6 +98,7 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::UpdatePriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::DeletePriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::AlignPriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::EditPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ActivatePriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::SuspendPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorAssociations);

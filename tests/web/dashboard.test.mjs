@@ -6,6 +6,7 @@ import { addGraphEdit } from './checks/graph_edit.mjs';
 import { addHistory } from './checks/history.mjs';
 import { addImports } from './checks/imports.mjs';
 import { addPages } from './checks/pages.mjs';
+import { addPlanEdit } from './checks/plan_edit.mjs';
 import { addPlans } from './checks/plans.mjs';
 import { addRearranging } from './checks/rearranging.mjs';
 import { addRobots } from './checks/robots.mjs';
@@ -26,4 +27,4 @@ const stage = {
   campus: () => (mapped ??= mapCampus(system)),
 };
 
-for (const add of [addScene, addCampus, addGraphEdit, addRearranging, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addVersions, addRobots, addPages]) add(stage);
+for (const add of [addScene, addCampus, addGraphEdit, addRearranging, addStates, addHistory, addSessions, addGeoreference, addImports, addPlans, addPlanEdit, addVersions, addRobots, addPages]) add(stage);

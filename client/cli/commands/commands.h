@@ -20,7 +20,8 @@ void AddLocalize(CLI::App& app, const Globals& globals);
 // restore | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
-// prior list | show | add | align | activate | suspend | rename | export | delete; import | fit need no server
+// prior list | show | add | edit | align | activate | suspend | rename | export | publish | delete; import | fit | locate
+// need no server
 void AddPrior(CLI::App& app, const Globals& globals);
 void AddReplay(CLI::App& app, const Globals& globals);
 void AddRobot(CLI::App& app, const Globals& globals);
@@ -62,9 +63,12 @@ void AddMatchClouds(CLI::App& match, const Globals& globals);
 void AddMatchImages(CLI::App& match, const Globals& globals);
 void AddPriorAdd(CLI::App& prior, const Globals& globals);
 void AddPriorAlign(CLI::App& prior, const Globals& globals);
+void AddPriorEdit(CLI::App& prior, const Globals& globals);
 void AddPriorExport(CLI::App& prior, const Globals& globals);
+void AddPriorPublish(CLI::App& prior, const Globals& globals);
 void AddPriorFit(CLI::App& prior, const Globals& globals);
 void AddPriorImport(CLI::App& prior, const Globals& globals);
+void AddPriorLocate(CLI::App& prior, const Globals& globals);
 void AddPriorMaps(CLI::App& prior, const Globals& globals);  // list, show, activate, suspend, rename, delete
 void AddPriorTies(CLI::App& prior, const Globals& globals);  // associations, doors
 void AddSessionDoors(CLI::App& session, const Globals& globals);

@@ -5,6 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
+
+#include "core/base/status_macros.h"
+#include "core/optimize/edge_shares.h"
 
 namespace enfilade::graph {
 namespace {
@@ -142,6 +146,30 @@ double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t stru
     return joint.graph.nodes[part.corners[corner]].T_world_node.translation();
   };
   return (at(to) - at(from)).norm() / before;
+}
+
+absl::StatusOr<std::vector<PlanShare>> SharesOf(const JointGraph& joint, const std::vector<PlanPart>& parts,
+                                                std::size_t node) {
+  const std::int64_t map = joint.graph.nodes[node].id;
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3d> of_edges,
+                            optimize::EdgeShares(joint.graph, {joint.graph.nodes.front().id}, map));
+  std::vector<PlanShare> shares;
+  for (const PlanPart& part : parts) {
+    std::map<int, Eigen::Matrix3d> by_wall = {{-1, Eigen::Matrix3d::Zero()}};
+    for (const std::size_t edge : part.strut_edges) by_wall[-1] += of_edges[edge];
+    for (std::size_t i = 0; i < part.edges.size(); ++i) {
+      const std::size_t edge = part.edges[i];
+      if (edge == PlanPart::kNone || !joint.graph.edges[edge].enabled) continue;
+      const bool is_own = joint.graph.edges[edge].from == map;
+      const int strut = part.ties().sightings[i].strut;
+      const int wall = is_own ? part.ties().struts[static_cast<std::size_t>(strut)].wall : -1;
+      by_wall.try_emplace(wall, Eigen::Matrix3d::Zero()).first->second += of_edges[edge];
+    }
+    for (const auto& [wall, share] : by_wall) shares.push_back({part.plan->id, wall, share});
+  }
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const PlanShare& a, const PlanShare& b) { return a.plan < b.plan; });
+  return shares;
 }
 
 std::optional<Eigen::Matrix3d> CovarianceByPlan(const Eigen::Matrix3d& solved) {

@@ -7,9 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "core/graph/graph_snapshot.h"
 #include "core/graph/joint_graph.h"
 #include "core/graph/plans/plan_ties.h"
+#include "core/graph/solved_graph.h"
 
 namespace enfilade::graph {
 
@@ -33,6 +35,10 @@ PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const P
 
 // The length of a strut by that in the plan; 1 for short ones, which may be stretched in any way.
 double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut);
+
+// What each plan contributes to the covariance of the map at a node, given the graph at its optimum.
+absl::StatusOr<std::vector<PlanShare>> SharesOf(const JointGraph& joint, const std::vector<PlanPart>& parts,
+                                                std::size_t node);
 
 // Of the pose of a map that only plans join, given that by the solution: with what SLAM bends maps. Unset: it is not
 // known well enough.

@@ -64,6 +64,12 @@ bool PlanTies::HasSeen(const MapId& map) const {
   return at != maps.end() && at->map == map;
 }
 
+void PlanTies::KeepMaps(const std::vector<MapId>& kept) {
+  const auto is_dropped = [&](const auto& one) { return std::find(kept.begin(), kept.end(), one.map) == kept.end(); };
+  std::erase_if(sightings, is_dropped);
+  std::erase_if(maps, is_dropped);
+}
+
 std::string EncodePlanTies(const PlanTies& ties) {
   std::string bytes;
   BinaryWriter writer(bytes);

@@ -59,6 +59,8 @@ struct PlanTies {
 
   // Whether walls of the plan were seen in the map.
   bool HasSeen(const MapId& map) const;
+  // Drops what was seen in other maps than these.
+  void KeepMaps(const std::vector<MapId>& kept);
 
   friend bool operator==(const PlanTies&, const PlanTies&) = default;
 };
@@ -66,10 +68,13 @@ struct PlanTies {
 // A plan as part of a site's graph.
 struct PlanInGraph {
   PriorMapId id = {};
-  std::string sha256 = {};  // of its encoded ties: equal digests have equal ties
+  std::string sha256 = {};  // of its encoded ties, with all maps; equal digests and maps have equal ties
   std::shared_ptr<const PlanTies> ties = {};
 
-  friend bool operator==(const PlanInGraph& a, const PlanInGraph& b) { return a.id == b.id && a.sha256 == b.sha256; }
+  friend bool operator==(const PlanInGraph& a, const PlanInGraph& b) {
+    if (a.id != b.id || a.sha256 != b.sha256) return false;
+    return a.ties == b.ties || (a.ties && b.ties && a.ties->maps == b.ties->maps);
+  }
 };
 
 // The form in which ties are stored. Little-endian; a byte of format version (1) first.

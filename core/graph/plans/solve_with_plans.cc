@@ -135,6 +135,10 @@ class PlanSolve {
     }
     std::sort(solution.switched_off.begin(), solution.switched_off.end(),
               [](const SwitchedOff& a, const SwitchedOff& b) { return a.link_point < b.link_point; });
+    const auto shares_of = joint_.node_of.find(snapshot_.MapSlot(options_.shares_of));
+    if (shares_of != joint_.node_of.end() && is_joined[shares_of->second] != 0) {
+      ENFILADE_ASSIGN_OR_RETURN(solution.plan_shares, SharesOf(joint_, parts_, shares_of->second));
+    }
     solution.chi2_before = 0.0;
     solution.degrees_of_freedom = -3 * (static_cast<int>(nodes) - 1);
     for (std::size_t i = 0; i < joint_.graph.edges.size(); ++i) {

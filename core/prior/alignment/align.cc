@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,9 @@ namespace {
 constexpr std::size_t kMostCandidates = 200;  // refined quickly
 constexpr std::size_t kMostFinalists = 20;    // refined well
 constexpr std::size_t kQuickPoints = 500;
-constexpr double kSamePlace = 1.0;  // m
+constexpr double kSamePlace = 1.0;      // m
+constexpr double kUsualScale = 1.3;     // by which plans are larger or smaller than their files say
+constexpr double kOneDirection = 0.02;  // of the walls' lengths that lie in another direction
 
 struct Candidate {
   PlanTransform transform;
@@ -121,6 +124,19 @@ class Aligner {
                      [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   }
 
+  // Whether all walls that it explains are parallel: they do not tell where along them it lies.
+  bool IsOpenAlongWalls(const PlanTransform& transform) const {
+    const FaceIndex index(Transformed(faces_, transform), kReach);
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    for (const WallPoint& wall : evidence_.walls) {
+      if (wall.straightness < kStraight) continue;
+      const auto nearest = index.Nearest(wall.point, wall.along, kParallel);
+      if (nearest && nearest->distance <= kExplainedDistance) sum += wall.along * wall.along.transpose();
+    }
+    const Eigen::Vector2d lengths = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(sum).eigenvalues();
+    return lengths(0) < kOneDirection * lengths(1);
+  }
+
   double search_radius() const {
     return 0.5 * evidence_.geometry.resolution * std::hypot(evidence_.geometry.width, evidence_.geometry.height);
   }
@@ -146,6 +162,14 @@ Alignment ToAlignment(const Candidate& candidate) {
   alignment.model = candidate.model;
   alignment.agreement = candidate.agreement;
   return alignment;
+}
+
+// What people should know of a place that is accepted.
+std::string NoteOnScale(const PlanGraph& plan, const PlanTransform& transform) {
+  if (!plan.metres_per_unit) return "";
+  const double ratio = transform.scale() / *plan.metres_per_unit;
+  if (ratio < kUsualScale && ratio > 1 / kUsualScale) return "";
+  return fmt::format("; it is {:.3g} times as large as its file says", ratio);
 }
 
 // Why the place cannot be believed; empty: it can.
@@ -214,13 +238,21 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
   if (fit.wrong)
     alignment.reason +=
         fmt::format("; pair {} is {:.1f} m off and was left out", *fit.wrong + 1, fit.residuals[*fit.wrong]);
+  if (aligner.IsOpenAlongWalls(alignment.T_map_sheet)) {
+    alignment.reason += "; the walls are parallel: where along them it lies, only the pairs tell";
+  }
+  alignment.reason += NoteOnScale(plan, alignment.T_map_sheet);
   return alignment;
 }
 
 Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
                     const AlignOptions& options) {
   const Aligner aligner(plan, evidence, options);
-  return RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
+  Alignment alignment = RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
+  alignment.reason = ObjectionTo(alignment, options);
+  alignment.accepted = alignment.reason.empty();
+  if (alignment.accepted) alignment.reason = "fits where it was placed before";
+  return alignment;
 }
 
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options) {
@@ -252,7 +284,8 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   }
   alignment.accepted = alignment.reason.empty();
   if (alignment.accepted)
-    alignment.reason = fmt::format("fits {:.2f} times as well as any other place", alignment.rival_ratio);
+    alignment.reason = fmt::format("fits {:.2f} times as well as any other place{}", alignment.rival_ratio,
+                                   NoteOnScale(plan, alignment.T_map_sheet));
   return alignment;
 }
 

@@ -32,7 +32,7 @@ struct AlignOptions {
   double most_contradicted = 0.25;
   double least_rival_ratio = 1.3;
   // A place that explains so much, and is contradicted by so little, need not be so much better than any other.
-  double sure_explained = 0.5;
+  double sure_explained = 0.6;
   double sure_contradicted = 0.1;
   double sure_rival_ratio = 1.15;
   double least_length = 25;  // m of the map's walls that the plan explains
@@ -48,7 +48,9 @@ struct AlignOptions {
 constexpr double kKnownScale = 0.03;
 
 // By points that people have shown. The plan is then moved onto the map's walls, as far as the clicks may be wrong.
-// Where the pairs fit it turned over, too, the walls decide whether it is mirrored.
+// Where the pairs fit it turned over, too, the walls decide whether it is mirrored. Accepted, whatever the walls say;
+// the reason says so if they are all parallel, as in a bare corridor, along which the plan lies where the clicks put
+// it.
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
                                        const std::vector<ControlPair>& pairs, const AlignOptions& options);
 
@@ -57,7 +59,8 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 // of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place.
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
 
-// From a place that is about right: the plan is moved onto the map's walls.
+// From a place that is about right: the plan is moved onto the map's walls. Accepted if it explains enough and is
+// contradicted by little, as AlignByItself; no other place is compared.
 Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
                     const AlignOptions& options);
 

@@ -11,8 +11,9 @@
 namespace enfilade::prior {
 namespace {
 
-constexpr double kLeastBaseline = 2.0;  // m
-constexpr double kLeastShare = 0.05;    // of the sheet
+constexpr std::size_t kMostPairs = 1000;  // each is tried without
+constexpr double kLeastBaseline = 2.0;    // m
+constexpr double kLeastShare = 0.05;      // of the sheet
 constexpr std::size_t kFewestForAxes = 4;
 constexpr std::size_t kFewestForWrong = 5;
 constexpr double kMirrorGain = 3.0;  // how much smaller the residual of a mirrored plan must be
@@ -145,6 +146,8 @@ std::optional<std::size_t> FindWrong(const std::vector<ControlPair>& pairs) {
 
 absl::Status Check(const std::vector<ControlPair>& pairs, double sheet_size) {
   if (pairs.size() < 2) return InvalidArgument("{} pairs of points, at least 2 are needed", pairs.size());
+  if (pairs.size() > kMostPairs)
+    return InvalidArgument("{} pairs of points, at most {} may be", pairs.size(), kMostPairs);
   double widest_map = 0;
   double widest_sheet = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/prior/fit/fit_plan.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
 #include <limits>
@@ -34,6 +37,29 @@ Correction CorrectionOf(FitMode mode) {
   return mode == FitMode::kAcg ? Correction::kWallSprings : Correction::kNone;
 }
 
+// People, too, can show a place on the wrong plan. Why the corrected plan cannot be that of the map; empty: it can.
+// What the map has beside the plan's area says nothing.
+std::string ObjectionToCorrected(const CorrectedPlan& corrected, const MapEvidence& evidence) {
+  constexpr double kBeside = 1.0;            // m
+  constexpr double kLeastExplained = 0.35;   // of the map's walls there
+  constexpr double kMostContradicted = 0.2;  // of the plan's walls that the map knows
+  Eigen::AlignedBox2d area;
+  for (const WallFace& face : corrected.faces()) area.extend(face.from).extend(face.to);
+  MapEvidence there = evidence;
+  std::erase_if(there.walls, [&](const WallPoint& wall) { return area.exteriorDistance(wall.point) > kBeside; });
+  const Agreement agreement = Compare(FaceIndex(corrected.faces(), kBeside), there);
+  if (agreement.explained < kLeastExplained) {
+    return fmt::format("at that place the plan explains {:.0f} % of the map's walls, {:.0f} % are needed",
+                       100 * agreement.explained, 100 * kLeastExplained);
+  }
+  if (agreement.contradicted() > kMostContradicted) {
+    return fmt::format(
+        "at that place {:.0f} % of the plan's walls that the map knows lie in free ground, at most {:.0f} % may",
+        100 * agreement.contradicted(), 100 * kMostContradicted);
+  }
+  return "";
+}
+
 class PlanFitter {
  public:
   PlanFitter(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps, const FitOptions& options)
@@ -48,6 +74,8 @@ class PlanFitter {
     ENFILADE_RETURN_IF_ERROR(AlignEach());
     fit_.alignment = fit_.maps.front().alignment;
     if (fit_.alignment.accepted) ENFILADE_RETURN_IF_ERROR(JoinAccepted());
+    // Other modes are for comparison, and correct less.
+    if (fit_.corrected && !options_.pairs.empty() && options_.mode == FitMode::kFull) CheckShown();
     return std::move(fit_);
   }
 
@@ -55,7 +83,9 @@ class PlanFitter {
   absl::Status AlignEach() {
     for (std::size_t i = 0; i < maps_.size(); ++i) {
       Alignment alignment;
-      if (i == 0 && !options_.pairs.empty()) {
+      if (i == 0 && options_.start) {
+        alignment = AlignFrom(plan_, evidence_[i], *options_.start, aligning_);
+      } else if (i == 0 && !options_.pairs.empty()) {
         ENFILADE_ASSIGN_OR_RETURN(alignment, AlignByPairs(plan_, evidence_[i], options_.pairs, aligning_));
       } else {
         alignment = AlignByItself(plan_, evidence_[i], aligning_);
@@ -70,7 +100,8 @@ class PlanFitter {
     AlignOptions known = aligning_;
     known.known_shape = surest->alignment.T_map_sheet;
     for (std::size_t i = 0; i < maps_.size(); ++i) {
-      if (!fit_.maps[i].alignment.accepted) fit_.maps[i].alignment = AlignByItself(plan_, evidence_[i], known);
+      if (fit_.maps[i].alignment.accepted || (i == 0 && options_.start)) continue;
+      fit_.maps[i].alignment = AlignByItself(plan_, evidence_[i], known);
     }
     return absl::OkStatus();
   }
@@ -96,6 +127,18 @@ class PlanFitter {
     return absl::OkStatus();
   }
 
+  void CheckShown() {
+    const std::string objection = ObjectionToCorrected(*fit_.corrected, *fit_.evidence);
+    if (objection.empty()) return;
+    fit_.alignment.accepted = false;
+    fit_.alignment.reason = objection;
+    fit_.maps.front().alignment = fit_.alignment;
+    for (FittedMap& map : fit_.maps) map.T_first_map.reset();
+    fit_.corrected = nullptr;
+    fit_.evidence = nullptr;
+    fit_.map = {};
+  }
+
   std::vector<PlacedMap> PlacedWithout(std::optional<std::size_t> left_out) const {
     std::vector<PlacedMap> placed;
     for (std::size_t i = 0; i < maps_.size(); ++i) {
@@ -117,7 +160,7 @@ class PlanFitter {
     fit_.evidence = std::make_unique<MapEvidence>(EvidenceOf(fit_.map));
     if (placed.size() > 1) {
       Alignment all = AlignFrom(plan_, *fit_.evidence, fit_.alignment.T_map_sheet, aligning_);
-      all.accepted = true;
+      all.accepted = true;  // as the first map has it
       all.reason = fit_.alignment.reason;
       all.rival_ratio = fit_.alignment.rival_ratio;
       fit_.alignment = std::move(all);

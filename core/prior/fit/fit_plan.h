@@ -29,6 +29,8 @@ struct FitOptions {
   FitMode mode = FitMode::kFull;
   // Points known in the plan and in the first map; empty: the place is found without help.
   std::vector<ControlPair> pairs = {};
+  // Where it lies in the first map, to about a metre: it is looked for there only (AlignFrom). Not with pairs.
+  std::optional<PlanTransform> start = std::nullopt;
 };
 
 // What became of one map.
@@ -49,7 +51,9 @@ struct PlanFit {
 
 // Each map is aligned with the plan. One that is accepted tells the plan's scale, and whether it is mirrored, to those
 // that fit at several places. Maps in which the plan is accepted are joined by it, and the plan is corrected with all
-// of them; the others are left out. It is refused if the first map is. INVALID_ARGUMENT: no map, a map without walls
+// of them; the others are left out. It is refused if the first map is; and if people have shown a place where even the
+// corrected plan explains less than 35 % of the map's walls there, or is contradicted by more than 20 % of what the map
+// knows. INVALID_ARGUMENT: no map, a map without walls
 // (named by its number), pairs that determine nothing (FitPairs), maps too large to be joined.
 absl::StatusOr<PlanFit> FitPlan(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps,
                                 const FitOptions& options);

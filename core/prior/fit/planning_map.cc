@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/grid/map_raster.h"
+#include "core/prior/plan/plan_cells.h"
 
 namespace enfilade::prior {
 namespace {
@@ -67,59 +68,21 @@ class PlanningMapMaker {
     return absl::OkStatus();
   }
 
-  void Predict(int column, int row, double probability) {
-    if (!result_.map.geometry.contains(column, row)) return;
-    const std::size_t cell = result_.map.geometry.index(column, row);
+  void Predict(std::size_t cell, double probability) {
     result_.map.cells[cell] = grid::CellFromProbability(probability);
     result_.sources[cell] = CellSource::kPredicted;
   }
 
-  // Row by row, between the outline's crossings (even-odd rule).
   void FillRoom(const PlanRoom& room) {
     std::vector<Eigen::Vector2d> outline;
-    for (const Eigen::Vector2d& corner : room.outline) outline.push_back(ToCells(corrected_.Locate(corner).point));
-    double low = 1e9;
-    double high = -1e9;
-    for (const Eigen::Vector2d& corner : outline) {
-      low = std::min(low, corner.y());
-      high = std::max(high, corner.y());
-    }
-    const int first = std::max(0, static_cast<int>(std::floor(low)));
-    const int last = std::min(result_.map.geometry.height - 1, static_cast<int>(std::floor(high)));
-    for (int row = first; row <= last; ++row) {
-      std::vector<double> crossings;
-      for (std::size_t i = 0; i < outline.size(); ++i) {
-        const Eigen::Vector2d& a = outline[i];
-        const Eigen::Vector2d& b = outline[(i + 1) % outline.size()];
-        const double y = row + 0.5;
-        if ((a.y() <= y) == (b.y() <= y)) continue;
-        crossings.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
-      }
-      std::sort(crossings.begin(), crossings.end());
-      for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-        const int end = static_cast<int>(std::floor(crossings[i + 1] - 0.5));
-        for (int column = static_cast<int>(std::ceil(crossings[i] - 0.5)); column <= end; ++column) {
-          Predict(column, row, kPredictedFree);
-        }
-      }
-    }
+    for (const Eigen::Vector2d& corner : room.outline) outline.push_back(corrected_.Locate(corner).point);
+    VisitInside(outline, result_.map.geometry, [this](std::size_t cell) { Predict(cell, kPredictedFree); });
   }
 
   void DrawWall(const PlanWall& wall) {
-    const Eigen::Vector2d a = ToCells(corrected_.corners()[static_cast<std::size_t>(wall.from)].point);
-    const Eigen::Vector2d b = ToCells(corrected_.corners()[static_cast<std::size_t>(wall.to)].point);
-    const double thickness = wall.thickness * corrected_.scale() / result_.map.geometry.resolution;
-    const double reach = std::max(thickness, M_SQRT2) / 2;  // without a hole
-    const Eigen::Vector2d low = a.cwiseMin(b).array() - reach;
-    const Eigen::Vector2d high = a.cwiseMax(b).array() + reach;
-    const double squared = std::max(1e-9, (b - a).squaredNorm());
-    for (int row = static_cast<int>(std::floor(low.y())); row <= high.y(); ++row) {
-      for (int column = static_cast<int>(std::floor(low.x())); column <= high.x(); ++column) {
-        const Eigen::Vector2d centre(column + 0.5, row + 0.5);
-        const double t = std::clamp((centre - a).dot(b - a) / squared, 0.0, 1.0);
-        if ((centre - a - t * (b - a)).norm() <= reach) Predict(column, row, kPredictedWall);
-      }
-    }
+    VisitLine(corrected_.corners()[static_cast<std::size_t>(wall.from)].point,
+              corrected_.corners()[static_cast<std::size_t>(wall.to)].point, wall.thickness * corrected_.scale(),
+              result_.map.geometry, [this](std::size_t cell) { Predict(cell, kPredictedWall); });
   }
 
   // Where a picture has no unknown cells, what lies outside of its walls is not known either.

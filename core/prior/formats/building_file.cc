@@ -108,6 +108,8 @@ class Parser {
     if (node["vertices"]) {
       for (const auto& vertex : node["vertices"]) vertices.emplace_back(vertex[0].as<double>(), vertex[1].as<double>());
     }
+    const auto is_finite = [](const Eigen::Vector2d& vertex) { return vertex.allFinite(); };
+    if (!std::all_of(vertices.begin(), vertices.end(), is_finite)) return "it has a vertex that is not finite";
     drawing.scale = metric ? 1.0 : ScaleOf(node["measurements"], vertices);
     drawing.up = metric ? 1.0 : -1.0;
     drawing.level.metres_per_unit = drawing.scale;
@@ -137,6 +139,9 @@ class Parser {
       }
     } catch (const std::out_of_range&) {
       return "it names a vertex that does not exist";
+    }
+    for (const BuildingWall& wall : drawing.level.walls) {
+      if (!wall.a.allFinite() || !wall.b.allFinite()) return "it has a wall that is not finite in metres";
     }
     if (drawing.level.outline.empty())
       building_.remarks.push_back({item_, false, "it has neither floors nor walls, so it gets no outline"});

@@ -2,12 +2,14 @@
 #include "core/prior/formats/dxf_plan.h"
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/prior/formats/dxf_groups.h"
 #include "core/prior/formats/plan_lines.h"
+#include "core/prior/plan/plan_check.h"
 
 namespace enfilade::prior {
 namespace {
@@ -63,6 +65,7 @@ class DxfReader {
 
  private:
   static constexpr int kDeepest = 8;
+  static constexpr std::int64_t kMostGroups = 50'000'000;  // each as often as its block is inserted
 
   // Where entities stand: within how many blocks, and the layer of the innermost insertion.
   struct Place {
@@ -80,6 +83,9 @@ class DxfReader {
     for (std::size_t i = 0; i < entities.size(); ++i) {
       const DxfEntity& entity = entities[i];
       ENFILADE_RETURN_IF_ERROR(lines_.status());
+      groups_ += 1 + static_cast<std::int64_t>(entity.groups.size());
+      if (place.depth > 0 && groups_ > kMostGroups)
+        return ResourceExhausted("more than {} DXF groups in inserted blocks", kMostGroups);
       if (entity.type == "INSERT") {
         ENFILADE_RETURN_IF_ERROR(ReadInsert(entity, T, place));
         continue;
@@ -142,7 +148,7 @@ class DxfReader {
 
   void AddPolyline(const std::vector<PolylinePoint>& points, bool closed, const Affine2d& T, double width) {
     std::vector<Vector2d> line;
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < points.size() && line.size() <= kMostWalls; ++i) {
       line.push_back(points[i].p);
       const bool last = i + 1 == points.size();
       if (points[i].bulge == 0 || (last && !closed)) continue;
@@ -169,6 +175,7 @@ class DxfReader {
   double sagitta_ = 0;
   PlanLines lines_;
   int inserts_ = 0;
+  std::int64_t groups_ = 0;
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include "core/prior/formats/geojson_plan.h"
 
 #include <cmath>
-#include <functional>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -35,10 +35,21 @@ Json Ring(const std::vector<Vector2d>& outline) {
   return Json::array({std::move(ring)});
 }
 
+// Programs that edit tables write null where there is no value.
+bool IsGiven(const Json& object, const char* name) { return object.contains(name) && !object[name].is_null(); }
+
+template <typename T>
+T ValueOf(const Json& object, const char* name, const T& otherwise) {
+  return IsGiven(object, name) ? object[name].get<T>() : otherwise;
+}
+
+absl::Status TooManyWalls() { return ResourceExhausted("more than {} walls", kMostWalls); }
+
 // Reads features into a plan; the first fault stays.
 class PlanReader {
  public:
-  explicit PlanReader(const Json& document) : document_(document) {}
+  // `sheet_only`: coordinates are the sheet's, also if no frame is named.
+  PlanReader(const Json& document, bool sheet_only) : document_(document), sheet_only_(sheet_only) {}
 
   absl::StatusOr<PlanGraph> Read() {
     if (!document_.is_object() || !document_.contains("features") || !document_["features"].is_array()) {
@@ -47,11 +58,12 @@ class PlanReader {
     ENFILADE_RETURN_IF_ERROR(ReadFrame());
     std::size_t number = 0;
     for (const Json& feature : document_["features"]) {
-      const absl::Status status = ReadFeature(feature);
+      const absl::Status status = ReadTypedFeature(feature);
       if (!status.ok()) return WithContext(status, fmt::format("feature {}", number));
-      if (plan_.walls.size() > kMostWalls) return CheckPlan(plan_);
+      if (plan_.walls.size() + named_.size() > kMostWalls) return TooManyWalls();
       ++number;
     }
+    AddNamedWalls();
     ENFILADE_RETURN_IF_ERROR(Validate(plan_));
     return std::move(plan_);
   }
@@ -60,11 +72,12 @@ class PlanReader {
   enum class Frame { kSheet, kMetres, kLonLat };
 
   absl::Status ReadFrame() {
-    const std::string frame = document_.value("frame", "");
-    if (frame == "sheet") {
-      if (document_.contains("metres_per_unit")) plan_.metres_per_unit = document_["metres_per_unit"].get<double>();
-      return document_.contains("H_sheet_photo") ? ReadHomography(document_["H_sheet_photo"]) : absl::OkStatus();
+    const std::string frame = ValueOf<std::string>(document_, "frame", "");
+    if (frame == "sheet" || (sheet_only_ && frame.empty())) {
+      if (IsGiven(document_, "metres_per_unit")) plan_.metres_per_unit = document_["metres_per_unit"].get<double>();
+      return IsGiven(document_, "H_sheet_photo") ? ReadHomography(document_["H_sheet_photo"]) : absl::OkStatus();
     }
+    if (sheet_only_) return InvalidArgument("frame is \"{}\": expected sheet", frame);
     plan_.metres_per_unit = 1.0;
     if (frame == "metres") {
       frame_ = Frame::kMetres;
@@ -85,33 +98,31 @@ class PlanReader {
   // The middle of all coordinates, for the projection.
   absl::Status FindMiddle() {
     Vector2d low = Vector2d::Constant(1e300), high = -low;
-    absl::Status status;
-    const std::function<void(const Json&)> visit = [&](const Json& node) {
-      if (!node.is_array() || node.empty()) return;
-      if (!node[0].is_number()) {
-        for (const Json& child : node) visit(child);
-        return;
-      }
-      if (node.size() < 2 || !node[1].is_number()) return;
-      const Vector2d p(node[0].get<double>(), node[1].get<double>());
-      if (!(std::abs(p.x()) <= 180) || !(std::abs(p.y()) <= 89)) {
-        if (status.ok()) {
-          status = InvalidArgument(
-              "longitude {} and latitude {} are out of range (coordinates in metres need \"frame\": \"metres\")", p.x(),
-              p.y());
-        }
-        return;
-      }
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    };
+    std::vector<const Json*> nodes;
     for (const Json& feature : document_["features"]) {
       if (feature.is_object() && feature.contains("geometry") && feature["geometry"].is_object() &&
           feature["geometry"].contains("coordinates")) {
-        visit(feature["geometry"]["coordinates"]);
+        nodes.push_back(&feature["geometry"]["coordinates"]);
       }
     }
-    ENFILADE_RETURN_IF_ERROR(status);
+    while (!nodes.empty()) {  // lists may be nested deeper than the stack is
+      const Json& node = *nodes.back();
+      nodes.pop_back();
+      if (!node.is_array() || node.empty()) continue;
+      if (!node[0].is_number()) {
+        for (const Json& child : node) nodes.push_back(&child);
+        continue;
+      }
+      if (node.size() < 2 || !node[1].is_number()) continue;
+      const Vector2d p(node[0].get<double>(), node[1].get<double>());
+      if (!(std::abs(p.x()) <= 180) || !(std::abs(p.y()) <= 89)) {
+        return InvalidArgument(
+            "longitude {} and latitude {} are out of range (coordinates in metres need \"frame\": \"metres\")", p.x(),
+            p.y());
+      }
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
     if (low.x() <= high.x()) {
       const Vector2d middle = (low + high) / 2;
       projection_ = geo::TransverseMercator({middle.x(), middle.y()});
@@ -165,6 +176,15 @@ class PlanReader {
     return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
   }
 
+  // A member of another type than it should have is an exception.
+  absl::Status ReadTypedFeature(const Json& feature) {
+    try {
+      return ReadFeature(feature);
+    } catch (const Json::exception& error) {
+      return InvalidArgument("{}", error.what());
+    }
+  }
+
   absl::Status ReadFeature(const Json& feature) {
     if (!feature.is_object()) return InvalidArgument("not an object");
     if (!feature.contains("geometry") || feature["geometry"].is_null()) return absl::OkStatus();
@@ -173,12 +193,12 @@ class PlanReader {
       return InvalidArgument("geometry has no coordinates");
     const Json properties = feature.value("properties", Json::object());
     const Json none = Json::object();
-    return ReadGeometry(geometry.value("type", ""), geometry["coordinates"],
+    return ReadGeometry(ValueOf<std::string>(geometry, "type", ""), geometry["coordinates"],
                         properties.is_object() ? properties : none);
   }
 
   absl::Status ReadGeometry(const std::string& type, const Json& coordinates, const Json& properties) {
-    const std::string kind = properties.value("kind", "");
+    const std::string kind = ValueOf<std::string>(properties, "kind", "");
     if (type == "Point") {
       if (kind != "corner") return absl::OkStatus();
       ENFILADE_ASSIGN_OR_RETURN(const Vector2d p, PointOf(coordinates));
@@ -200,20 +220,50 @@ class PlanReader {
     if (kind == "door") {
       ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
       plan_.doors.push_back(
-          {.from = points.front(), .to = points.back(), .confidence = properties.value("confidence", 1.0)});
+          {.from = points.front(), .to = points.back(), .confidence = ValueOf(properties, "confidence", 1.0)});
       return absl::OkStatus();
     }
     if (!kind.empty() && kind != "wall") return absl::OkStatus();
-    PlanWall wall{.thickness = properties.value("thickness", 0.0), .confidence = properties.value("confidence", 1.0)};
-    if (frame_ == Frame::kSheet && properties.contains("from") && properties.contains("to")) {
-      wall.from = properties["from"].get<int>();
-      wall.to = properties["to"].get<int>();
-      plan_.walls.push_back(wall);
+    PlanWall wall{.thickness = ValueOf(properties, "thickness", 0.0),
+                  .confidence = ValueOf(properties, "confidence", 1.0)};
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
+    if (frame_ == Frame::kSheet && points.size() == 2 && IsGiven(properties, "from") && IsGiven(properties, "to")) {
+      ENFILADE_ASSIGN_OR_RETURN(wall.from, CornerOf(properties["from"]));
+      ENFILADE_ASSIGN_OR_RETURN(wall.to, CornerOf(properties["to"]));
+      named_.push_back({plan_.walls.size(), wall, points});
       return absl::OkStatus();
     }
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
     AddWalls(points, wall);
     return absl::OkStatus();
+  }
+
+  // A wall that names its corners has them, if they are where its line ends; else the line counts, which a person may
+  // have moved. The order of walls is that of their features.
+  void AddNamedWalls() {
+    const std::size_t named_corners = plan_.corners.size();
+    const auto is_at = [&](int corner, const Vector2d& point) {
+      return corner >= 0 && corner < static_cast<int>(named_corners) && plan_.corners[corner].point == point;
+    };
+    std::vector<PlanWall> others = std::move(plan_.walls);
+    plan_.walls.clear();
+    std::size_t next = 0;
+    for (const NamedWall& named : named_) {
+      for (; next < named.before; ++next) plan_.walls.push_back(others[next]);
+      if (is_at(named.wall.from, named.line.front()) && is_at(named.wall.to, named.line.back())) {
+        plan_.walls.push_back(named.wall);
+      } else {
+        AddWalls(named.line, named.wall);
+      }
+    }
+    plan_.walls.insert(plan_.walls.end(), others.begin() + static_cast<std::ptrdiff_t>(next), others.end());
+  }
+
+  static absl::StatusOr<int> CornerOf(const Json& number) {
+    constexpr std::int64_t kMost = std::numeric_limits<int>::max();
+    if (!number.is_number_integer() || number.get<std::int64_t>() < 0 || number.get<std::int64_t>() > kMost) {
+      return InvalidArgument("from or to is not the number of a corner");
+    }
+    return number.get<int>();
   }
 
   void AddWalls(const std::vector<Vector2d>& points, PlanWall wall) {
@@ -229,24 +279,41 @@ class PlanReader {
 
   absl::Status ReadPolygon(const std::string& kind, const Json& rings, const Json& properties) {
     ENFILADE_ASSIGN_OR_RETURN(std::vector<Vector2d> outline, OutlineOf(rings));
-    const std::string name = properties.value("name", "");
+    const std::string name = ValueOf<std::string>(properties, "name", "");
     if (kind == "room") {
       plan_.rooms.push_back({std::move(outline), name});
     } else if (kind == "shaft") {
-      const bool stairs = properties.value("shaft", "lift") == "stairs";
+      const bool stairs = ValueOf<std::string>(properties, "shaft", "lift") == "stairs";
       plan_.shafts.push_back({stairs ? ShaftKind::kStairs : ShaftKind::kLift, std::move(outline), name});
     } else if (kind.empty() || kind == "wall") {
       outline.push_back(outline.front());
-      AddWalls(outline, {.confidence = properties.value("confidence", 1.0)});
+      AddWalls(outline, {.confidence = ValueOf(properties, "confidence", 1.0)});
     }
     return absl::OkStatus();
   }
 
+  struct NamedWall {
+    std::size_t before = 0;  // how many of the other walls come before it
+    PlanWall wall;
+    std::vector<Vector2d> line;
+  };
+
   const Json& document_;
+  bool sheet_only_;
+  std::vector<NamedWall> named_;
   Frame frame_ = Frame::kSheet;
   geo::TransverseMercator projection_;
   PlanGraph plan_;
 };
+
+absl::StatusOr<PlanGraph> ReadDocument(std::string_view text, bool sheet_only) {
+  try {
+    const Json document = Json::parse(text);
+    return PlanReader(document, sheet_only).Read();
+  } catch (const Json::exception& error) {
+    return InvalidArgument("not a GeoJSON plan: {}", error.what());
+  }
+}
 
 }  // namespace
 
@@ -284,13 +351,8 @@ std::string WriteGeoJsonPlan(const PlanGraph& plan) {
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text) {
-  try {
-    const Json document = Json::parse(text);
-    return PlanReader(document).Read();
-  } catch (const Json::exception& error) {
-    return InvalidArgument("not a GeoJSON plan: {}", error.what());
-  }
-}
+absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text) { return ReadDocument(text, false); }
+
+absl::StatusOr<PlanGraph> ReadEditedPlan(std::string_view text) { return ReadDocument(text, true); }
 
 }  // namespace enfilade::prior

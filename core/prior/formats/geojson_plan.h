@@ -19,10 +19,14 @@ std::string WriteGeoJsonPlan(const PlanGraph& plan);
 
 // Reads what WriteGeoJsonPlan writes, exactly; and other GeoJSON: "frame": "metres" has y upwards; without the member,
 // coordinates are longitude and latitude as the RFC says, and are projected about their middle. LineStrings without a
-// kind are walls, as are the outlines of polygons without one; walls without "from" and "to" get corners at their ends.
-// INVALID_ARGUMENT: no GeoJSON; a coordinate that is no number, or is beyond the range of longitude and latitude; a
-// wall that names a corner that does not exist; an outline that crosses itself. RESOURCE_EXHAUSTED: more than
-// kMostWalls.
+// kind are walls, as are the outlines of polygons without one; walls without "from" and "to" get corners at their ends,
+// and so do those whose corners are not there: their line has been moved. A property that is null is as if left out.
+// INVALID_ARGUMENT, naming the feature: no GeoJSON; a coordinate that is no number, or is beyond the range of longitude
+// and latitude; an outline that crosses itself. RESOURCE_EXHAUSTED: more than kMostWalls.
 absl::StatusOr<PlanGraph> ReadGeoJsonPlan(std::string_view text);
+
+// Reads such a plan after a person has edited it. Its coordinates are the sheet's, also if a program has lost the
+// member "frame"; INVALID_ARGUMENT: another frame, and as above.
+absl::StatusOr<PlanGraph> ReadEditedPlan(std::string_view text);
 
 }  // namespace enfilade::prior

@@ -2,6 +2,8 @@
 #include "core/prior/formats/svg_plan.h"
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <map>
 #include <pugixml.hpp>
 #include <set>
@@ -73,19 +75,29 @@ class SvgReader {
  private:
   static constexpr int kDeepest = 200;  // elements within each other
   static constexpr int kMostUses = 8;
-  static constexpr int kMostElements = 4'000'000;
+  // What is used repeatedly counts each time, by the length of its attributes, too.
+  static constexpr std::int64_t kMostElements = 4'000'000;
+  static constexpr std::size_t kElementBytes = 64;
 
   absl::Status ReadChildren(const pugi::xml_node& node, const Inherited& inherited, int depth) {
     if (depth > kDeepest) return InvalidArgument("more than {} SVG elements within each other", kDeepest);
     for (const pugi::xml_node& child : node.children()) {
       if (child.type() != pugi::node_element) continue;
-      if (++elements_ > kMostElements) return ResourceExhausted("more than {} SVG elements", kMostElements);
       ENFILADE_RETURN_IF_ERROR(ReadElement(child, inherited, depth));
     }
     return lines_.status();
   }
 
+  absl::Status Count(const pugi::xml_node& node) {
+    std::size_t bytes = 0;
+    for (const pugi::xml_attribute& attribute : node.attributes()) bytes += std::strlen(attribute.value());
+    elements_ += 1 + static_cast<std::int64_t>(bytes / kElementBytes);
+    if (elements_ <= kMostElements) return absl::OkStatus();
+    return ResourceExhausted("more than {} SVG elements, with those that are used repeatedly", kMostElements);
+  }
+
   absl::Status ReadElement(const pugi::xml_node& node, const Inherited& around, int depth) {
+    ENFILADE_RETURN_IF_ERROR(Count(node));
     const std::string_view name = LocalName(node);
     if (name == "script" || name == "image" || name == "foreignObject") {
       left_out_.insert(std::string(name));
@@ -135,7 +147,6 @@ class SvgReader {
     inherited.T.translate(
         Vector2d(SvgNumber(node.attribute("x").value(), 0), SvgNumber(node.attribute("y").value(), 0)));
     if (LocalName(found->second) == "symbol") return ReadChildren(found->second, inherited, depth + 1);
-    if (++elements_ > kMostElements) return ResourceExhausted("more than {} SVG elements", kMostElements);
     if (depth > kDeepest) return InvalidArgument("more than {} SVG elements within each other", kDeepest);
     return ReadElement(found->second, inherited, depth + 1);
   }
@@ -179,7 +190,7 @@ class SvgReader {
   std::map<std::string, pugi::xml_node> ids_;
   std::set<std::string> left_out_;
   PlanLines lines_;
-  int elements_ = 0;
+  std::int64_t elements_ = 0;
 };
 
 }  // namespace

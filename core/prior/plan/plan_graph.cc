@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
-#include <limits>
 #include <string_view>
 
 #include "core/base/error.h"
@@ -57,9 +56,17 @@ double WallLength(const PlanGraph& plan) {
   return length;
 }
 
+double DiagonalOf(const PlanGraph& plan) {
+  if (plan.corners.empty()) return 0;
+  Eigen::Vector2d low = plan.corners.front().point, high = low;
+  for (const PlanCorner& corner : plan.corners) {
+    low = low.cwiseMin(corner.point);
+    high = high.cwiseMax(corner.point);
+  }
+  return (high - low).norm();
+}
+
 absl::Status Validate(const PlanGraph& plan) {
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d high = -low;
   for (size_t i = 0; i < plan.corners.size(); ++i) {
     if (!plan.corners[i].point.allFinite()) {
       return InvalidArgument("corner {} has a coordinate that is not finite", i);
@@ -67,8 +74,6 @@ absl::Status Validate(const PlanGraph& plan) {
     if (plan.corners[i].point.cwiseAbs().maxCoeff() > kLargestCoordinate) {
       return InvalidArgument("corner {} has a coordinate beyond {:g}", i, kLargestCoordinate);
     }
-    low = low.cwiseMin(plan.corners[i].point);
-    high = high.cwiseMax(plan.corners[i].point);
   }
   for (size_t i = 0; i < plan.walls.size(); ++i) ENFILADE_RETURN_IF_ERROR(ValidateWall(plan, i));
   for (size_t i = 0; i < plan.doors.size(); ++i) {
@@ -87,7 +92,7 @@ absl::Status Validate(const PlanGraph& plan) {
   if (plan.H_sheet_photo && !(plan.H_sheet_photo->allFinite() && std::abs(plan.H_sheet_photo->determinant()) > 0)) {
     return InvalidArgument("the homography of the plan's photo has no inverse");
   }
-  const double size = plan.corners.empty() ? 0 : plan.metres_per_unit.value_or(0) * (high - low).norm();
+  const double size = plan.metres_per_unit.value_or(0) * DiagonalOf(plan);
   if (size > kLargestPlan) {
     return InvalidArgument("by its scale the plan is {:.0f} m wide, at most {:.0f} m are possible", size, kLargestPlan);
   }

@@ -72,6 +72,7 @@ Eigen::Vector2d ToSheet(const PlanGraph& plan, const Eigen::Vector2d& picked);
 
 double LengthOf(const PlanGraph& plan, const PlanWall& wall);
 double WallLength(const PlanGraph& plan);  // of all walls
+double DiagonalOf(const PlanGraph& plan);  // of the box around its corners; 0: it has none
 
 // Fails with INVALID_ARGUMENT, naming the element: an index that no corner has, a wall without length, a number that is
 // not finite, a corner beyond kLargestCoordinate, a homography that has no inverse, a confidence outside (0, 1], an

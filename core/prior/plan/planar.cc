@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/prior/plan/plan_check.h"
 #include "core/prior/plan/segment_grid.h"
 
 namespace enfilade::prior {
@@ -28,11 +29,18 @@ SegmentGrid GridOfWalls(const PlanGraph& plan, double reach) {
   return grid;
 }
 
+SegmentGrid GridOfCorners(const PlanGraph& plan, double weld) {
+  SegmentGrid grid(std::max(weld, 1e-9));
+  for (std::size_t i = 0; i < plan.corners.size(); ++i) {
+    grid.Add(static_cast<int>(i), plan.corners[i].point, plan.corners[i].point);
+  }
+  return grid;
+}
+
 // Corners that are one get the mean of their places.
 void WeldCorners(PlanGraph& plan, double weld) {
   const std::size_t count = plan.corners.size();
-  SegmentGrid grid(std::max(weld, 1e-9));
-  for (std::size_t i = 0; i < count; ++i) grid.Add(static_cast<int>(i), plan.corners[i].point, plan.corners[i].point);
+  const SegmentGrid grid = GridOfCorners(plan, weld);
   std::vector<int> parent(count);
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
@@ -111,9 +119,11 @@ void FindTouches(const PlanGraph& plan, const SegmentGrid& grid, double weld, Cu
   }
 }
 
-// Walls that cross away from their ends get a common corner there.
+// Walls that cross away from their ends get a common corner there; up to kMostWalls, after which there are too many
+// walls.
 void FindCrossings(PlanGraph& plan, const SegmentGrid& grid, double weld, Cuts& cuts) {
   const std::size_t count = plan.walls.size();
+  std::size_t crossings = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const PlanWall one = plan.walls[i];
     const Vector2d a = plan.corners[one.from].point, along = plan.corners[one.to].point - a;
@@ -130,6 +140,7 @@ void FindCrossings(PlanGraph& plan, const SegmentGrid& grid, double weld, Cuts& 
       const double s = CrossOf(b - a, across) / turn, t = CrossOf(b - a, along) / turn;
       const double s_end = weld / along.norm(), t_end = weld / across.norm();
       if (s <= s_end || s >= 1 - s_end || t <= t_end || t >= 1 - t_end) continue;
+      if (++crossings > kMostWalls) return;
       const int corner = static_cast<int>(plan.corners.size());
       plan.corners.push_back({a + s * along});
       cuts[i].emplace_back(s, corner);
@@ -169,10 +180,24 @@ PlanGraph Planarise(const PlanGraph& plan, double weld) {
   DropRepeated(planar);
   constexpr int kMostRounds = 8;  // a cut moves walls by up to `weld`, which may make others touch
   for (int round = 0; round < kMostRounds && CutWalls(planar, weld); ++round) {
+    if (planar.walls.size() > kMostWalls) break;
     WeldCorners(planar, weld * 0.5);
     DropRepeated(planar);
   }
   return planar;
+}
+
+double JoinDistance(const PlanGraph& plan) {
+  constexpr double kMetres = 0.05, kShare = 5e-4, kMostShare = 0.01;
+  const double diagonal = DiagonalOf(plan);
+  const double distance = plan.metres_per_unit ? kMetres / *plan.metres_per_unit : kShare * diagonal;
+  return std::min(distance, kMostShare * diagonal);
+}
+
+bool IsCrowded(const PlanGraph& plan, double weld) {
+  constexpr double kMostPairs = 1e9;
+  if (GridOfWalls(plan, weld).CountPairs() > kMostPairs) return true;
+  return GridOfCorners(plan, weld).CountPairs() > kMostPairs;
 }
 
 bool IsPlanar(const PlanGraph& plan) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/prior/plan/planar.h"
+#include "core/prior/plan/room_names.h"
 
 namespace enfilade::prior {
 namespace {
@@ -31,15 +33,36 @@ PlanGraph WithDoorsClosed(const PlanGraph& plan, double weld) {
   return Planarise(closed, weld);
 }
 
-// Dead ends bound no face.
+// Dead ends bound no face: walls are taken away from their ends on, until each end has another wall.
 void DropDeadEnds(PlanGraph& plan) {
-  while (true) {
-    std::vector<int> degree(plan.corners.size(), 0);
-    for (const PlanWall& wall : plan.walls) ++degree[wall.from], ++degree[wall.to];
-    const std::size_t before = plan.walls.size();
-    std::erase_if(plan.walls, [&](const PlanWall& wall) { return degree[wall.from] < 2 || degree[wall.to] < 2; });
-    if (plan.walls.size() == before) return;
+  std::vector<std::vector<int>> walls_of(plan.corners.size());
+  for (std::size_t i = 0; i < plan.walls.size(); ++i) {
+    walls_of[plan.walls[i].from].push_back(static_cast<int>(i));
+    walls_of[plan.walls[i].to].push_back(static_cast<int>(i));
   }
+  std::vector<std::size_t> degree(plan.corners.size());
+  std::vector<int> ends;
+  for (std::size_t i = 0; i < plan.corners.size(); ++i) {
+    degree[i] = walls_of[i].size();
+    if (degree[i] == 1) ends.push_back(static_cast<int>(i));
+  }
+  std::vector<char> is_dropped(plan.walls.size(), 0);
+  while (!ends.empty()) {
+    const int end = ends.back();
+    ends.pop_back();
+    for (const int wall : walls_of[end]) {
+      if (is_dropped[wall] != 0) continue;
+      is_dropped[wall] = 1;
+      for (const int corner : {plan.walls[wall].from, plan.walls[wall].to}) {
+        if (--degree[corner] == 1) ends.push_back(corner);
+      }
+    }
+  }
+  std::vector<PlanWall> kept;
+  for (std::size_t i = 0; i < plan.walls.size(); ++i) {
+    if (is_dropped[i] == 0) kept.push_back(plan.walls[i]);
+  }
+  plan.walls = std::move(kept);
 }
 
 std::vector<HalfWall> HalfWallsOf(const PlanGraph& plan) {
@@ -64,16 +87,6 @@ std::vector<HalfWall> HalfWallsOf(const PlanGraph& plan) {
     }
   }
   return halves;
-}
-
-double AreaOf(const std::vector<Vector2d>& outline) {
-  double twice = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vector2d& a = outline[i];
-    const Vector2d& b = outline[(i + 1) % outline.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
 }
 
 double CircumferenceOf(const std::vector<Vector2d>& outline) {
@@ -103,6 +116,12 @@ std::vector<PlanRoom> FindRooms(const PlanGraph& plan, double narrowest) {
   std::stable_sort(rooms.begin(), rooms.end(),
                    [](const PlanRoom& a, const PlanRoom& b) { return AreaOf(a.outline) > AreaOf(b.outline); });
   return rooms;
+}
+
+double NarrowestRoom(const PlanGraph& plan) {
+  double thickest = 0;
+  for (const PlanWall& wall : plan.walls) thickest = std::max(thickest, wall.thickness);
+  return std::max(thickest, 1e-3 * WallLength(plan) / std::sqrt(static_cast<double>(plan.walls.size())));
 }
 
 }  // namespace enfilade::prior

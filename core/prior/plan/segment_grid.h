@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
@@ -38,8 +39,23 @@ class SegmentGrid {
     }
   }
 
+  // About how many segments are visited if ForEachNear is called along each of them.
+  double CountPairs() const {
+    double pairs = 0;
+    for (const auto& [key, ids] : cells_) {
+      const auto count = static_cast<double>(ids.size());
+      pairs += count * count / kNeighbours;
+    }
+    return pairs;
+  }
+
  private:
-  std::int64_t Index(double value) const { return static_cast<std::int64_t>(std::floor(value / cell_)); }
+  static constexpr double kNeighbours = 9;  // cells in which a segment of one cell is listed
+
+  std::int64_t Index(double value) const {
+    constexpr double kLargest = 1e18;  // of a 64 bit integer
+    return static_cast<std::int64_t>(std::clamp(std::floor(value / cell_), -kLargest, kLargest));
+  }
   static std::uint64_t Key(std::int64_t x, std::int64_t y) {
     return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL ^ static_cast<std::uint64_t>(y);
   }

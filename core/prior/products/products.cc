@@ -8,15 +8,18 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/png_codec.h"
 #include "core/plot/scene.h"
+#include "core/prior/correction/added_walls.h"
 #include "core/prior/fit/planning_map.h"
 #include "core/prior/formats/building_plan.h"
 #include "core/prior/formats/svg_plan.h"
+#include "core/prior/products/report.h"
 #include "nlohmann/json.hpp"
 
 namespace enfilade::prior {
 namespace {
 
 constexpr int kPlotSide = 1600;  // px
+constexpr grid::Rgb kOrange{255, 127, 14};
 
 grid::Rgb ColorOf(Sight sight) {
   switch (sight) {
@@ -32,9 +35,10 @@ grid::Rgb ColorOf(Sight sight) {
 
 nlohmann::json Position(const Eigen::Vector2d& point) { return {point.x(), point.y()}; }
 
-// Each wall with `state`, `stretch` and `sigma_m`, then each door with `state` (seen: robots know the ground there) and
-// `sigma_m`.
-std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corrected) {
+// Each wall with `state`, `stretch` and `sigma_m`, then those that only robots have seen, then each door with `state`
+// (seen: robots know the ground there) and `sigma_m`.
+std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corrected,
+                                const std::vector<AddedWall>& added) {
   nlohmann::json features = nlohmann::json::array();
   for (std::size_t i = 0; i < plan.walls.size(); ++i) {
     const CorrectedCorner& from = corrected.corners()[static_cast<std::size_t>(plan.walls[i].from)];
@@ -51,6 +55,12 @@ std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corr
            {"contradicted", wall.contradicted_share},
            {"stretch", wall.stretch},
            {"sigma_m", std::sqrt(std::max(0.0, variance))}}}});
+  }
+  for (const AddedWall& wall : added) {
+    features.push_back(
+        {{"type", "Feature"},
+         {"geometry", {{"type", "LineString"}, {"coordinates", {Position(wall.from), Position(wall.to)}}}},
+         {"properties", {{"kind", "wall"}, {"state", "added"}}}});
   }
   for (const PlanDoor& door : plan.doors) {
     const CorrectedPoint from = corrected.Locate(door.from), to = corrected.Locate(door.to);
@@ -92,9 +102,11 @@ std::string_view NameOf(Sight sight) {
   return "";
 }
 
-std::vector<grid::MapFile> CorrectedFiles(const PlanGraph& plan, const CorrectedPlan& corrected) {
-  const PlanGraph graph = CorrectedGraph(plan, corrected);
-  return {{"walls.geojson", WriteCorrectedWalls(plan, corrected)},
+std::vector<grid::MapFile> CorrectedFiles(const PlanGraph& plan, const PlanFit& fit) {
+  const PlanGraph graph = CorrectedGraph(plan, *fit.corrected);
+  const std::vector<AddedWall> added = FindAddedWalls(*fit.corrected, *fit.evidence);
+  return {{"walls.geojson", WriteCorrectedWalls(plan, *fit.corrected, added)},
+          {"report.json", WriteReport(plan, fit, added)},
           {"walls.svg", WriteSvgPlan(graph)},
           {"walls.building.yaml", WriteBuildingPlan(graph, "plan", 1.0)}};
 }
@@ -123,6 +135,9 @@ absl::StatusOr<grid::MapFile> PictureFile(const PlanGraph& plan, const PlanFit& 
     const Eigen::Vector2d from = corrected.corners()[static_cast<std::size_t>(plan.walls[i].from)].point;
     const Eigen::Vector2d to = corrected.corners()[static_cast<std::size_t>(plan.walls[i].to)].point;
     scene.lines.push_back({.points = {from, to}, .color = ColorOf(corrected.walls()[i].sight), .width_px = 2});
+  }
+  for (const AddedWall& wall : FindAddedWalls(corrected, *fit.evidence)) {
+    scene.lines.push_back({.points = {wall.from, wall.to}, .color = kOrange, .width_px = 2});
   }
   ENFILADE_ASSIGN_OR_RETURN(const plot::SceneView view, plot::ViewOf(scene, kPlotSide));
   ENFILADE_ASSIGN_OR_RETURN(std::string png, grid::EncodePng(plot::DrawScene(scene, view)));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/prior/ties/find_ties.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/prior/alignment/fitted_line.h"
 #include "core/prior/ties/plan_frame.h"
 
 namespace enfilade::prior {
@@ -30,38 +30,14 @@ struct SeenFace {
   double fractions = 0;                 // sum, of the way along the face
 };
 
-struct FittedLine {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  Eigen::Vector2d along = Eigen::Vector2d::Zero();  // unit, either way
-  double length = 0;                                // m
-};
-
-// Total least squares.
-FittedLine FitOnce(const std::vector<Eigen::Vector2d>& points) {
-  FittedLine line;
-  for (const Eigen::Vector2d& point : points) line.middle += point / static_cast<double>(points.size());
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const Eigen::Vector2d& point : points) scatter += (point - line.middle) * (point - line.middle).transpose();
-  line.along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter).eigenvectors().col(1);
-  double least = 0, most = 0;
-  for (const Eigen::Vector2d& point : points) {
-    const double at = line.along.dot(point - line.middle);
-    least = std::min(least, at);
-    most = std::max(most, at);
-  }
-  line.length = most - least;
-  return line;
-}
-
+// Without what is off the line.
 std::optional<FittedLine> Fit(std::vector<Eigen::Vector2d> points) {
   if (points.size() < 2) return std::nullopt;
-  const FittedLine first = FitOnce(points);
-  const Eigen::Vector2d normal(-first.along.y(), first.along.x());
-  std::erase_if(points,
-                [&](const Eigen::Vector2d& point) { return std::abs(normal.dot(point - first.middle)) > kMostOff; });
+  const FittedLine first = FitLine(points);
+  std::erase_if(points, [&](const Eigen::Vector2d& point) { return std::abs(first.OffsetOf(point)) > kMostOff; });
   if (points.size() < 2) return std::nullopt;
-  const FittedLine line = FitOnce(points);
-  return line.length >= kLeastLength ? std::optional(line) : std::nullopt;
+  const FittedLine line = FitLine(points);
+  return line.length() >= kLeastLength ? std::optional(line) : std::nullopt;
 }
 
 // By face.
@@ -115,9 +91,9 @@ graph::PlanTies FindTies(const PlanGraph& plan, const PlanTransform& T_plan_shee
                            seen.fractions / static_cast<double>(seen.points.size()),
                            {.map = map.id,
                             .T_map_line = {middle.x(), middle.y(), std::atan2(along.y(), along.x())},
-                            .length = line->length,
+                            .length = line->length(),
                             .across_sigma = has_faces ? kAcrossSigma : kUnknownFaceSigma,
-                            .yaw_sigma = std::max(kLeastYawSigma, kAcrossSigma / line->length)}});
+                            .yaw_sigma = std::max(kLeastYawSigma, kAcrossSigma / line->length())}});
     }
   }
   PlanFrame frame = FrameOf(plan, T_plan_sheet, is_seen);

@@ -111,6 +111,26 @@ func numberOf(fields map[string]string, name string) (int32, error) {
 	return int32(number), nil
 }
 
+// X1,Y1,X2,Y2=METRES; nil: none is given.
+func measureOf(text string) (*pb.PlanMeasure, error) {
+	if text = strings.TrimSpace(text); text == "" {
+		return nil, nil
+	}
+	points, length, _ := strings.Cut(text, "=")
+	parts := append(strings.Split(points, ","), length)
+	numbers := make([]float64, len(parts))
+	for i, part := range parts {
+		var err error
+		if numbers[i], err = strconv.ParseFloat(strings.TrimSpace(part), 64); err != nil {
+			return nil, status.Errorf(codes.InvalidArgument, "measure: %q is not X1,Y1,X2,Y2=METRES", text)
+		}
+	}
+	if len(numbers) != 5 {
+		return nil, status.Errorf(codes.InvalidArgument, "measure: %q is not X1,Y1,X2,Y2=METRES", text)
+	}
+	return &pb.PlanMeasure{FromX: numbers[0], FromY: numbers[1], ToX: numbers[2], ToY: numbers[3], LengthM: numbers[4]}, nil
+}
+
 func priorMapManifest(parent string, upload *form) (*pb.ImportPriorMapManifest, error) {
 	if len(upload.files) != 1 {
 		return nil, status.Errorf(codes.InvalidArgument, "one file is needed, and %d came", len(upload.files))
@@ -129,6 +149,9 @@ func priorMapManifest(parent string, upload *form) (*pb.ImportPriorMapManifest, 
 		Level: level, Page: page, PlanLevel: upload.fields["plan_level"],
 		File: &pb.FileEntry{Name: file.name, SizeBytes: file.size, Sha256: file.digest},
 	}
+	if manifest.Measure, err = measureOf(upload.fields["measure"]); err != nil {
+		return nil, err
+	}
 	for _, layer := range strings.Split(upload.fields["layers"], ",") {
 		if layer = strings.TrimSpace(layer); layer != "" {
 			manifest.Layers = append(manifest.Layers, layer)
@@ -137,8 +160,8 @@ func priorMapManifest(parent string, upload *form) (*pb.ImportPriorMapManifest, 
 	return manifest, nil
 }
 
-// One file, with what is told of it in the fields display_name, level, prior_map_id, page, plan_level and layers (with
-// commas between), becomes a prior map.
+// One file, with what is told of it in the fields display_name, level, prior_map_id, page, plan_level, layers (with
+// commas between) and measure (X1,Y1,X2,Y2=METRES), becomes a prior map.
 func (h *handlers) importPriorMap(w http.ResponseWriter, r *http.Request, path map[string]string) error {
 	upload, err := readForm(w, r, h.limits)
 	if err != nil {

@@ -165,7 +165,7 @@ func TestPriorMaps_AnImportPassesTheFileAndItsFieldsOn(t *testing.T) {
 	server := &plans{}
 	content := bytes.Repeat([]byte("wall "), chunkBytes/2)
 	answer := post(t, serving(t, server), map[string]string{"display_name": "Floor 2", "level": "-2", "prior_map_id": "p",
-		"page": "3", "plan_level": "L2", "layers": "A-WALL*, doors,"}, content)
+		"page": "3", "plan_level": "L2", "layers": "A-WALL*, doors,", "measure": "1,2.5, 30,-4 = 7.25"}, content)
 	var got struct{ PriorMap struct{ Name, State string } }
 	if err := json.Unmarshal(answer.Body.Bytes(), &got); err != nil || answer.Code != http.StatusOK ||
 		got.PriorMap.Name != plan || got.PriorMap.State != "STATE_NEW" {
@@ -176,6 +176,10 @@ func TestPriorMaps_AnImportPassesTheFileAndItsFieldsOn(t *testing.T) {
 	if m.GetParent() != "sites/s" || m.GetDisplayName() != "Floor 2" || m.GetLevel() != -2 || m.GetPriorMapId() != "p" ||
 		m.GetPage() != 3 || m.GetPlanLevel() != "L2" || !slices.Equal(m.GetLayers(), []string{"A-WALL*", "doors"}) {
 		t.Errorf("manifest %v", m)
+	}
+	if measure := m.GetMeasure(); measure.GetFromX() != 1 || measure.GetFromY() != 2.5 || measure.GetToX() != 30 ||
+		measure.GetToY() != -4 || measure.GetLengthM() != 7.25 {
+		t.Errorf("measure %v", measure)
 	}
 	if file := m.GetFile(); file.GetName() != "plan.svg" || file.GetSizeBytes() != int64(len(content)) ||
 		!bytes.Equal(file.GetSha256(), digest[:]) {
@@ -198,6 +202,8 @@ func TestPriorMaps_AWrongImportIsRefused(t *testing.T) {
 		"two files":     {nil, [][]byte{file, file}, http.StatusBadRequest},
 		"level":         {map[string]string{"level": "ground"}, [][]byte{file}, http.StatusBadRequest},
 		"page":          {map[string]string{"page": "1.5"}, [][]byte{file}, http.StatusBadRequest},
+		"measure":       {map[string]string{"measure": "1,2,3=4"}, [][]byte{file}, http.StatusBadRequest},
+		"no measure":    {map[string]string{"measure": "1,2,x,3=4"}, [][]byte{file}, http.StatusBadRequest},
 		"a taken name":  {map[string]string{"display_name": "Taken"}, [][]byte{file}, http.StatusConflict},
 		"a taken name2": {map[string]string{"display_name": "Taken"}, [][]byte{bytes.Repeat(file, chunkBytes)}, http.StatusConflict},
 	} {

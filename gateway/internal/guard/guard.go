@@ -23,6 +23,7 @@ import (
 // Limits of what one client may ask for.
 type Limits struct {
 	BodyBytes        int64         // of a JSON body
+	PlanBytes        int64         // of a JSON body with a whole floor plan
 	Streams          int           // open at once, of all clients
 	StreamsPerClient int           // of one address
 	WriteTime        time.Duration // for the client to take what is written
@@ -31,7 +32,7 @@ type Limits struct {
 
 // DefaultLimits suit a campus' dashboards and programs.
 func DefaultLimits() Limits {
-	return Limits{BodyBytes: 1 << 20, Streams: 500, StreamsPerClient: 64, WriteTime: 10 * time.Second,
+	return Limits{BodyBytes: 1 << 20, PlanBytes: 32 << 20, Streams: 500, StreamsPerClient: 64, WriteTime: 10 * time.Second,
 		Rates: DefaultRates()}
 }
 
@@ -54,7 +55,7 @@ func Wrap(next http.Handler, hosts, origins []string, limits Limits) (http.Handl
 			"a page of another site may not do this: its origin is not among those that the gateway trusts")
 	}))
 	handler := limitStreams(next, limits)
-	handler = checkBody(handler, limits.BodyBytes)
+	handler = checkBody(handler, limits)
 	handler = limitRates(handler, limits.Rates)
 	handler = protection.Handler(handler)
 	handler = checkHost(handler, hosts)
@@ -117,8 +118,12 @@ func checkHost(next http.Handler, hosts []string) http.Handler {
 
 // Bodies are JSON, but for uploads (multipart), which have limits of their own. A type that a page can post without
 // asking first is not taken for JSON.
-func checkBody(next http.Handler, limit int64) http.Handler {
+func checkBody(next http.Handler, limits Limits) http.Handler {
 	return http.HandlerFunc(func(w http.ResponseWriter, r *http.Request) {
+		limit := limits.BodyBytes
+		if strings.Contains(r.URL.Path, "/priorMaps/") && strings.HasSuffix(r.URL.Path, ":edit") {
+			limit = limits.PlanBytes
+		}
 		mediaType, _, _ := mime.ParseMediaType(r.Header.Get("Content-Type"))
 		if r.ContentLength == 0 || mediaType == "multipart/form-data" {
 			next.ServeHTTP(w, r)

@@ -36,6 +36,14 @@ absl::StatusOr<GraphUpdate> ReadUpdate(const storage::GraphStore& store, const s
   return update;
 }
 
+// `ties` if none of their maps was deleted.
+std::shared_ptr<const graph::PlanTies> OfMaps(const std::shared_ptr<const graph::PlanTies>& ties,
+                                              const std::vector<MapId>& maps) {
+  graph::PlanTies kept = *ties;
+  kept.KeepMaps(maps);
+  return kept.maps.size() == ties->maps.size() ? ties : std::make_shared<const graph::PlanTies>(std::move(kept));
+}
+
 // Of the prior maps in use. Those of `old` are not read again.
 absl::StatusOr<std::vector<graph::PlanInGraph>> ReadPlans(const storage::GraphStore& store,
                                                           const storage::CallContext& context, const SiteId& site,
@@ -51,7 +59,8 @@ absl::StatusOr<std::vector<graph::PlanInGraph>> ReadPlans(const storage::GraphSt
     graph::PlanInGraph& plan = plans.emplace_back(graph::PlanInGraph{one.prior_map, one.sha256});
     const auto found = std::find(known.begin(), known.end(), one.sha256);
     if (found != known.end()) {
-      plan.ties = old->graph().plans()[static_cast<std::size_t>(found - known.begin())].ties;
+      // A map that has been taken from the ties does not come back into the same ones.
+      plan.ties = OfMaps(old->graph().plans()[static_cast<std::size_t>(found - known.begin())].ties, one.maps);
       continue;
     }
     absl::StatusOr<graph::PlanTies> ties = graph::DecodePlanTies(one.bytes);
@@ -60,7 +69,7 @@ absl::StatusOr<std::vector<graph::PlanInGraph>> ReadPlans(const storage::GraphSt
       plans.pop_back();
       continue;
     }
-    plan.ties = std::make_shared<const graph::PlanTies>(*std::move(ties));
+    plan.ties = OfMaps(std::make_shared<const graph::PlanTies>(*std::move(ties)), one.maps);
   }
   return plans;
 }

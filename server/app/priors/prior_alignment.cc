@@ -19,6 +19,7 @@
 #include "core/prior/ties/find_ties.h"
 #include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
+#include "server/app/priors/plans_beside.h"
 
 namespace enfilade::server {
 namespace {
@@ -36,6 +37,7 @@ struct LevelMap {
   Pose2 T_world_map;  // not of maps that no link points join to the root
   grid::OccupancyGrid grid;
   prior::MapEvidence evidence;
+  TimeNs create_time = 0;
 };
 
 // The graph without its plans: they must not confirm what they have made.
@@ -75,6 +77,22 @@ absl::StatusOr<grid::OccupancyGrid> Joined(const std::vector<LevelMap>& maps) {
   return prior::Overlaid(placed);
 }
 
+// How the map that has seen most of a plan has moved in the world since the plan was aligned; of a map that is not
+// among `maps` that is not known.
+Pose2 MovedSince(const graph::PlanTies& ties, const std::vector<LevelMap>& maps) {
+  Pose2 T_now_then;
+  std::ptrdiff_t most = 0;
+  for (const graph::MapInPlan& then : ties.maps) {
+    const auto now = std::find_if(maps.begin(), maps.end(), [&](const LevelMap& map) { return map.id == then.map; });
+    const auto seen = std::count_if(ties.sightings.begin(), ties.sightings.end(),
+                                    [&](const graph::WallSighting& sighting) { return sighting.map == then.map; });
+    if (now == maps.end() || seen <= most) continue;
+    most = seen;
+    T_now_then = now->T_world_map * Inverse(then.T_plan_map);
+  }
+  return T_now_then;
+}
+
 void AddFiles(storage::PriorMapProduct product, std::vector<grid::MapFile> files,
               std::vector<storage::NewPriorMapFile>& out) {
   for (grid::MapFile& file : files) out.push_back({product, std::move(file.name), std::move(file.bytes)});
@@ -83,7 +101,7 @@ void AddFiles(storage::PriorMapProduct product, std::vector<grid::MapFile> files
 absl::StatusOr<std::vector<storage::NewPriorMapFile>> ProductsOf(const prior::PlanGraph& plan,
                                                                  const prior::PlanFit& fit) {
   std::vector<storage::NewPriorMapFile> files;
-  AddFiles(storage::PriorMapProduct::kCorrected, prior::CorrectedFiles(plan, *fit.corrected), files);
+  AddFiles(storage::PriorMapProduct::kCorrected, prior::CorrectedFiles(plan, fit), files);
   ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> planning,
                             prior::PlanningFiles(plan, fit, grid::MapFileFormat::kPng));
   AddFiles(storage::PriorMapProduct::kPlanning, std::move(planning), files);
@@ -98,13 +116,24 @@ struct PriorAlignment::Level {
   std::vector<LevelMap> maps;      // with walls and a place in the world, by id
   std::vector<LevelMap> unjoined;  // with walls, the most first
   std::int64_t graph_version = 0;
+  std::shared_ptr<const graph::PlanTies> ties;  // of the plan that is aligned, if it is in use
 };
+
+absl::StatusOr<grid::MapRaster> PriorAlignment::ReadRaster(const storage::CallContext& context,
+                                                           const storage::Map& map) const {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
+                            revisions_.Get(context, map.site, map.id, map.current_revision));
+  return ReadEvidence(context, {blobs_, revisions_}, revision);
+}
 
 absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::CallContext& context,
                                                                 const storage::PriorMap& prior_map) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(context, prior_map.site));
   Level level;
   level.graph_version = graph->graph().version();
+  for (const graph::PlanInGraph& plan : graph->graph().plans()) {
+    if (plan.id == prior_map.id) level.ties = plan.ties;
+  }
   std::optional<graph::WorldPoses> without_plans;
   if (!graph->graph().plans().empty()) {
     ENFILADE_ASSIGN_OR_RETURN(graph::WorldPoses made, WithoutPlans(graph->graph()));
@@ -117,15 +146,18 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
       if (map.level != prior_map.level || map.current_revision == 0) continue;
       const auto place = poses.Find(map.id);
       if (!place.ok()) continue;  // it was made after this version
-      ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
-                                revisions_.Get(context, prior_map.site, map.id, map.current_revision));
-      ENFILADE_ASSIGN_OR_RETURN(const grid::MapRaster raster, ReadEvidence(context, {blobs_, revisions_}, revision));
-      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(raster, kLevelCell));
+      absl::StatusOr<grid::MapRaster> raster = ReadRaster(context, map);
+      if (!raster.ok()) {
+        if (absl::IsNotFound(maps_.Get(context, map.site, map.id).status())) continue;  // it has been deleted meanwhile
+        return raster.status();
+      }
+      ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(*raster, kLevelCell));
       prior::MapEvidence evidence = prior::EvidenceOf(grid);
       if (*place && !evidence.walls.empty()) {
-        level.maps.push_back({map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence)});
+        level.maps.push_back(
+            {map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence), map.create_time});
       } else if (evidence.wall_length() >= kLeastWalls) {
-        level.unjoined.push_back({map.id, {}, std::move(grid), std::move(evidence)});
+        level.unjoined.push_back({map.id, {}, std::move(grid), std::move(evidence), map.create_time});
       }
     }
     if (page.size() < kMapsPage) break;
@@ -153,13 +185,46 @@ absl::StatusOr<std::string> PriorAlignment::ReadPlan(const storage::CallContext&
 
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext& context,
                                                       const storage::PriorMap& prior_map,
-                                                      const std::vector<storage::PriorMapPair>& pairs,
+                                                      const std::vector<storage::PriorMapPair>& pairs, bool from_last,
                                                       bool activate) const {
+  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  Placement placement{.options = {},
+                      .accepted_state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed};
+  ENFILADE_ASSIGN_OR_RETURN(placement.options.pairs, InWorld(pairs, level.maps));
+  if (from_last) placement.options.start = PlaceNow(prior_map, level);
+  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
+  if (aligned.outcome.alignment) aligned.outcome.alignment->pairs = from_last ? prior_map.alignment->pairs : pairs;
+  return aligned;
+}
+
+absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallContext& context,
+                                                           const storage::PriorMap& prior_map) const {
+  if (!prior_map.alignment) return FailedPrecondition("{} was never aligned", NameOf(prior_map.site, prior_map.id));
+  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  Placement placement{.options = {}, .accepted_state = prior_map.state};
+  placement.options.start = PlaceNow(prior_map, level);
+  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
+  if (aligned.outcome.alignment) {
+    aligned.outcome.alignment->pairs = prior_map.alignment->pairs;
+    aligned.outcome.alignment->rival_ratio = prior_map.alignment->rival_ratio;
+    if (aligned.outcome.state == prior_map.state) aligned.outcome.reason = prior_map.reason;
+  } else {
+    aligned.outcome.reason = "robots have seen more, and it does not fit that: " + aligned.outcome.reason;
+  }
+  return aligned;
+}
+
+prior::PlanTransform PriorAlignment::PlaceNow(const storage::PriorMap& prior_map, const Level& level) {
+  const Pose2 T_now_then = level.ties == nullptr ? Pose2{} : MovedSince(*level.ties, level.maps);
+  return T_now_then * prior_map.alignment.value().T_world_sheet;
+}
+
+absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& context,
+                                                    const storage::PriorMap& prior_map, const Level& level,
+                                                    const Placement& placement) const {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadPlan(context, prior_map));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, prior::ReadGeoJsonPlan(text));
-  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
-  prior::FitOptions options;
-  ENFILADE_ASSIGN_OR_RETURN(options.pairs, InWorld(pairs, level.maps));
+  prior::FitOptions options = placement.options;
   for (prior::ControlPair& pair : options.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
   std::vector<grid::OccupancyGrid> grids;
@@ -170,7 +235,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   AlignedPriorMap aligned;
   aligned.outcome.reason = fit.alignment.reason;
   if (!fit.alignment.accepted) return aligned;
-  aligned.outcome.state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed;
+  aligned.outcome.state = placement.accepted_state;
   storage::PriorMapAlignment& alignment = aligned.outcome.alignment.emplace();
   alignment.T_world_sheet = fit.alignment.T_map_sheet;
   alignment.model = fit.alignment.model;
@@ -178,20 +243,33 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
   alignment.contradicted = fit.corrected->agreement().contradicted();
   alignment.rival_ratio = fit.alignment.rival_ratio;
   std::vector<prior::MapOfPlan> maps;
-  for (const LevelMap& map : level.maps) maps.push_back({map.id, &map.evidence, map.T_world_map});
+  std::vector<TimeNs>& create_times = aligned.outcome.map_create_times.emplace();
+  for (const LevelMap& map : level.maps) {
+    maps.push_back({map.id, &map.evidence, map.T_world_map});
+    create_times.push_back(map.create_time);
+  }
   for (std::size_t i = 0; i < level.unjoined.size(); ++i) {
     const std::optional<Pose2>& T_world_map = fit.maps[i + 1].T_first_map;
     if (!T_world_map) continue;
     maps.push_back({level.unjoined[i].id, &level.unjoined[i].evidence, *T_world_map});
+    create_times.push_back(level.unjoined[i].create_time);
     alignment.joined_maps.push_back(maps.back().id);
   }
   for (const prior::MapOfPlan& map : maps) alignment.maps.push_back(map.id);
   const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
   alignment.tied_walls = static_cast<int>(ties.sightings.size());
   alignment.graph_version = level.graph_version;
-  alignment.pairs = pairs;
   for (const prior::ControlPair& pair : options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
+  }
+  if (placement.accepted_state == storage::PriorMapState::kActive) {
+    ENFILADE_ASSIGN_OR_RETURN(PlansBeside beside, FindPlansBeside(context, prior_maps_, blobs_, prior_map, ties));
+    if (beside.same_area) {
+      aligned.outcome.state = storage::PriorMapState::kProposed;
+      aligned.outcome.reason +=
+          fmt::format("; not in use, because {} is and has the same walls", NameOf(prior_map.site, *beside.same_area));
+    }
+    aligned.outcome.beside = std::move(beside.etags);
   }
   ENFILADE_ASSIGN_OR_RETURN(aligned.outcome.files, ProductsOf(plan, fit));
   aligned.outcome.files.push_back({storage::PriorMapProduct::kTies, "ties.bin", graph::EncodePlanTies(ties)});

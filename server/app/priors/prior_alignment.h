@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/grid/map_raster.h"
+#include "core/prior/fit/fit_plan.h"
 #include "server/app/graph/site_graphs.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
@@ -13,7 +15,7 @@
 
 namespace enfilade::server {
 
-// What became of a prior map that was looked for in the maps of its level.
+// What became of a prior map that was aligned with the maps of its level.
 struct AlignedPriorMap {
   storage::PriorMapOutcome outcome;
   std::vector<double> pair_residuals;  // m, of each pair; empty if it was not accepted
@@ -27,15 +29,33 @@ class PriorAlignment {
                  const storage::RevisionStore& revisions, const storage::BlobStore& blobs, SiteGraphs& graphs)
       : prior_maps_(prior_maps), maps_(maps), revisions_(revisions), blobs_(blobs), graphs_(graphs) {}
 
-  // Nothing is stored. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the
-  // level; FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
+  // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist;
+  // without pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the level;
+  // FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
   absl::StatusOr<AlignedPriorMap> Align(const storage::CallContext& context, const storage::PriorMap& prior_map,
-                                        const std::vector<storage::PriorMapPair>& pairs, bool activate) const;
+                                        const std::vector<storage::PriorMapPair>& pairs, bool from_last,
+                                        bool activate) const;
+
+  // A prior map in use with the maps as they are now, from where it lies; it stays in use if it still fits them.
+  // Nothing is stored. FAILED_PRECONDITION: it has no alignment, or as above; DATA_LOSS.
+  absl::StatusOr<AlignedPriorMap> AlignAgain(const storage::CallContext& context,
+                                             const storage::PriorMap& prior_map) const;
 
  private:
   struct Level;
+  // How the plan is placed in the level's maps.
+  struct Placement {
+    prior::FitOptions options;
+    storage::PriorMapState accepted_state = storage::PriorMapState::kProposed;
+  };
+
+  // By its last alignment, and by how the maps have moved since.
+  static prior::PlanTransform PlaceNow(const storage::PriorMap& prior_map, const Level& level);
+  absl::StatusOr<AlignedPriorMap> Fit(const storage::CallContext& context, const storage::PriorMap& prior_map,
+                                      const Level& level, const Placement& placement) const;
 
   absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
+  absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::Map& map) const;
   absl::StatusOr<std::string> ReadPlan(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
 
   const storage::PriorMapStore& prior_maps_;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
-#include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "server/rpc/edit/convert.h"
 #include "server/rpc/edit/handlers.h"
@@ -8,17 +7,6 @@
 #include "server/rpc/resources.h"
 
 namespace enfilade::server {
-namespace {
-
-// The id of what a request without an id creates: the same for the same request_id.
-std::string DraftIdOf(const std::string& request_id) {
-  std::string id = "r";
-  for (const char c : Sha256(request_id).substr(0, 16)) id += fmt::format("{:02x}", static_cast<unsigned char>(c));
-  return id;
-}
-
-}  // namespace
-
 absl::StatusOr<v1::CreateMapDraftResponse> CreateMapDraft(const Services& services, const Call& call,
                                                           const v1::CreateMapDraftRequest& request) {
   v1::CreateMapDraftResponse response;
@@ -26,7 +14,7 @@ absl::StatusOr<v1::CreateMapDraftResponse> CreateMapDraft(const Services& servic
   ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
   const bool is_named = !request.draft_id().empty() || request_id.empty();
   ENFILADE_ASSIGN_OR_RETURN(std::string id,
-                            IdOrNew("draft_id", is_named ? request.draft_id() : DraftIdOf(request_id.value)));
+                            IdOrNew("draft_id", is_named ? request.draft_id() : IdOfRequest(request_id.value)));
   storage::MapDraft draft;
   draft.key = {map.site, map.map, MapDraftId(std::move(id))};
   draft.display_name = request.draft().display_name();

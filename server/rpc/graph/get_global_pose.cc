@@ -32,12 +32,20 @@ absl::StatusOr<GivenPose> Parse(const v1::MapPose& message) {
   return GivenPose{std::move(name), T_map_robot};
 }
 
+// What plans contribute, if that is wanted.
+absl::Status Explain(const SiteGraph& graph, const v1::GetGlobalPoseRequest& request,
+                     std::optional<graph::GlobalPose>& pose) {
+  if (!request.with_prior_hops() || !pose) return absl::OkStatus();
+  return graph::ExplainPlans(graph.graph(), *pose);
+}
+
 absl::StatusOr<v1::GetGlobalPoseResponse> AnswerGiven(const SiteGraph& graph, const GivenPose& given,
-                                                      const v1::MapPose& message) {
+                                                      const v1::GetGlobalPoseRequest& request) {
   v1::GetGlobalPoseResponse response;
-  ENFILADE_ASSIGN_OR_RETURN(const auto pose, graph.poses.Find(given.name.map, given.T_map_robot));
+  ENFILADE_ASSIGN_OR_RETURN(auto pose, graph.poses.Find(given.name.map, given.T_map_robot));
+  ENFILADE_RETURN_IF_ERROR(Explain(graph, request, pose));
   *response.mutable_global_pose() = Answer(given.name.site, pose, graph.graph().version());
-  *response.mutable_global_pose()->mutable_map_pose() = message;
+  *response.mutable_global_pose()->mutable_map_pose() = request.map_pose();
   return response;
 }
 
@@ -55,12 +63,12 @@ v1::GlobalPose ToProto(const storage::RobotPose& report, const std::optional<gra
 
 std::optional<absl::StatusOr<v1::GetGlobalPoseResponse>> TryGetGlobalPose(const Services& services,
                                                                           const v1::GetGlobalPoseRequest& request) {
-  if (!request.has_map_pose()) return std::nullopt;
+  if (!request.has_map_pose() || request.with_prior_hops()) return std::nullopt;
   const absl::StatusOr<GivenPose> given = Parse(request.map_pose());
   if (!given.ok()) return given.status();
   const auto graph = services.graphs.FindCurrent(given->name.site);
   if (graph == nullptr || graph->graph().FindMap(given->name.map) == nullptr) return std::nullopt;
-  return AnswerGiven(*graph, *given, request.map_pose());
+  return AnswerGiven(*graph, *given, request);
 }
 
 absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services, const Call& call,
@@ -72,7 +80,7 @@ absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services
       ENFILADE_ASSIGN_OR_RETURN(const auto resolved, ResolveMap(services, call, graph->graph(), given.name));
       given.name.map = resolved.to;
       given.T_map_robot = rearrange::Moved(resolved.T_to_from, given.T_map_robot);
-      return AnswerGiven(*graph, given, request.map_pose());
+      return AnswerGiven(*graph, given, request);
     }
     case v1::GetGlobalPoseRequest::kRobot: {
       v1::GetGlobalPoseResponse response;
@@ -80,7 +88,8 @@ absl::StatusOr<v1::GetGlobalPoseResponse> GetGlobalPose(const Services& services
       ENFILADE_ASSIGN_OR_RETURN(const storage::RobotPose report,
                                 services.robot_poses.Get(call.context(), name.site, name.robot));
       ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), name.site));
-      ENFILADE_ASSIGN_OR_RETURN(const auto pose, graph->poses.Find(report.map, report.T_map_robot));
+      ENFILADE_ASSIGN_OR_RETURN(auto pose, graph->poses.Find(report.map, report.T_map_robot));
+      ENFILADE_RETURN_IF_ERROR(Explain(*graph, request, pose));
       *response.mutable_global_pose() = ToProto(report, pose, graph->graph().version());
       return response;
     }

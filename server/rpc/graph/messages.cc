@@ -105,6 +105,12 @@ void Fill(const SiteId& site, const graph::GlobalPose& pose, v1::GlobalPose& out
   convert::SetMatrix(pose.robot_share, out.mutable_robot_share());
   out.set_search_radius_m(graph::SearchRadius(pose.T_world_robot.covariance));
   for (const PriorMapId& plan : pose.plans) out.add_prior_maps(NameOf(site, plan));
+  for (const graph::PlanHop& hop : pose.plan_hops) {
+    v1::PriorHop& message = *out.add_prior_hops();
+    message.set_prior_map(NameOf(site, hop.plan));
+    if (hop.wall >= 0) message.set_wall(hop.wall);
+    convert::SetMatrix(hop.share, message.mutable_share());
+  }
 }
 
 v1::Route ToProto(const SiteId& site, const graph::Route& route) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/rpc/prior/convert.h"
@@ -24,8 +25,13 @@ absl::StatusOr<v1::AlignPriorMapResponse> AlignPriorMap(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(storage::PriorMap prior_map,
                             services.prior_maps.Get(call.context(), name.site, name.prior_map));
   if (etag != 0 && etag != prior_map.etag) return storage::StaleEtag(convert::NameOf(name));
-  ENFILADE_ASSIGN_OR_RETURN(const AlignedPriorMap aligned,
-                            services.prior_alignment.Align(call.context(), prior_map, pairs, request.activate()));
+  if (request.from_last() && !pairs.empty()) return InvalidArgument("from_last: expected no pairs with it");
+  if (request.from_last() && !prior_map.alignment) {
+    return FailedPrecondition("{} was never aligned", convert::NameOf(name));
+  }
+  ENFILADE_ASSIGN_OR_RETURN(
+      const AlignedPriorMap aligned,
+      services.prior_alignment.Align(call.context(), prior_map, pairs, request.from_last(), request.activate()));
   for (const double residual : aligned.pair_residuals) response.add_pair_residuals_m(residual);
   if (request.validate_only()) {
     prior_map.state = aligned.outcome.state;

@@ -92,16 +92,31 @@ absl::StatusOr<perception::ReadPlanOptions> ReadPlanOptionsOf(const v1::ImportPr
   options.layers.assign(manifest.layers().begin(), manifest.layers().end());
   options.level = manifest.plan_level();
   if (!manifest.has_measure()) return options;
-  const v1::PlanMeasure& measure = manifest.measure();
-  perception::PlanMeasure& known = options.measure.emplace();
+  ENFILADE_ASSIGN_OR_RETURN(options.measure, MeasureOf("manifest.measure", manifest.measure()));
+  return options;
+}
+
+absl::StatusOr<perception::PlanMeasure> MeasureOf(const std::string& field, const v1::PlanMeasure& measure) {
+  perception::PlanMeasure known;
   known.from = {measure.from_x(), measure.from_y()};
   known.to = {measure.to_x(), measure.to_y()};
   known.metres = measure.length_m();
   const double length = (known.to - known.from).norm();
   if (!(known.metres > 0) || !std::isfinite(known.metres) || !(length > 0) || !std::isfinite(length)) {
-    return InvalidArgument("manifest.measure: expected two points and the metres between them");
+    return InvalidArgument("{}: expected two points and the metres between them", field);
   }
-  return options;
+  return known;
+}
+
+storage::PriorMapElements ElementsOf(const prior::PlanGraph& plan) {
+  storage::PriorMapElements elements;
+  elements.walls = static_cast<int>(plan.walls.size());
+  elements.corners = static_cast<int>(plan.corners.size());
+  elements.doors = static_cast<int>(plan.doors.size());
+  elements.rooms = static_cast<int>(plan.rooms.size());
+  elements.shafts = static_cast<int>(plan.shafts.size());
+  elements.metres_per_unit = plan.metres_per_unit;
+  return elements;
 }
 
 absl::StatusOr<std::vector<storage::PriorMapProduct>> ProductsOf(const google::protobuf::RepeatedField<int>& products) {

@@ -13,11 +13,13 @@
 namespace enfilade::server {
 
 v1::PriorMap ToProto(const storage::PriorMap& prior_map);
+storage::PriorMapElements ElementsOf(const prior::PlanGraph& plan);
 
 // INVALID_ARGUMENT naming the field, as in those below.
 absl::StatusOr<std::vector<storage::PriorMapPair>> PairsOf(
     const SiteId& site, const google::protobuf::RepeatedPtrField<v1::ControlPair>& pairs);
 absl::StatusOr<perception::ReadPlanOptions> ReadPlanOptionsOf(const v1::ImportPriorMapManifest& manifest);
+absl::StatusOr<perception::PlanMeasure> MeasureOf(const std::string& field, const v1::PlanMeasure& measure);
 absl::StatusOr<std::vector<storage::PriorMapProduct>> ProductsOf(const google::protobuf::RepeatedField<int>& products);
 
 }  // namespace enfilade::server

@@ -21,6 +21,8 @@ absl::StatusOr<v1::DeletePriorMapResponse> DeletePriorMap(const Services& servic
                                                           const v1::DeletePriorMapRequest& request);
 absl::StatusOr<v1::AlignPriorMapResponse> AlignPriorMap(const Services& services, const Call& call,
                                                         const v1::AlignPriorMapRequest& request);
+absl::StatusOr<v1::EditPriorMapResponse> EditPriorMap(const Services& services, const Call& call,
+                                                      const v1::EditPriorMapRequest& request);
 absl::StatusOr<v1::ActivatePriorMapResponse> ActivatePriorMap(const Services& services, const Call& call,
                                                               const v1::ActivatePriorMapRequest& request);
 absl::StatusOr<v1::SuspendPriorMapResponse> SuspendPriorMap(const Services& services, const Call& call,

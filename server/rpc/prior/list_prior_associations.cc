@@ -63,6 +63,8 @@ absl::StatusOr<v1::ListPriorAssociationsResponse> ListPriorAssociations(
     ties = plan->ties;
   } else {
     ENFILADE_ASSIGN_OR_RETURN(graph::PlanTies decoded, graph::DecodePlanTies(bytes));
+    ENFILADE_ASSIGN_OR_RETURN(const auto prior_map, services.prior_maps.Get(call.context(), name.site, name.prior_map));
+    if (prior_map.alignment) decoded.KeepMaps(prior_map.alignment->maps);
     ties = std::make_shared<const graph::PlanTies>(std::move(decoded));
   }
   ENFILADE_ASSIGN_OR_RETURN(std::vector<graph::SightingUse> uses,

@@ -16,8 +16,11 @@ absl::StatusOr<std::string> ReadProductFile(const Services& services, const Call
     if (file.product != product || file.name != file_name) continue;
     return services.blobs.Get(call.context(), name.site, file.sha256);
   }
-  return FailedPrecondition("{} {}: align it", convert::NameOf(name),
-                            prior_map.alignment ? "was aligned by an earlier version of the server" : "is not aligned");
+  std::string_view why = "was aligned by an earlier version of the server";
+  if (!prior_map.alignment) why = "is not aligned";
+  if (prior_map.alignment && prior_map.state == storage::PriorMapState::kNew)
+    why = "was corrected since it was aligned";
+  return FailedPrecondition("{} {}: align it", convert::NameOf(name), why);
 }
 
 }  // namespace enfilade::server

@@ -12,8 +12,10 @@
 
 namespace enfilade::server {
 
-// The bytes of one of a prior map's files. NOT_FOUND: no such prior map; FAILED_PRECONDITION: it is not aligned, or was
-// before there were such files.
+constexpr std::string_view kPlanFileName = "plan.geojson";
+
+// The bytes of one of a prior map's files. NOT_FOUND: no such prior map; FAILED_PRECONDITION: it is not aligned, was
+// before there were such files, or was corrected since.
 absl::StatusOr<std::string> ReadProductFile(const Services& services, const Call& call,
                                             const convert::PriorMapName& name, storage::PriorMapProduct product,
                                             std::string_view file_name);

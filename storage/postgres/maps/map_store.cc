@@ -79,6 +79,11 @@ constexpr Statement kPlaceRoot{
     "UPDATE enfilade.graph_maps m SET x = 0, y = 0, yaw = 0, covariance = array_fill(0::double precision, '{9}'),"
     " changed_version = g.graph_version FROM enfilade.site_graphs g"
     " WHERE g.site_id = $1 AND m.site_id = $1 AND m.map_id = g.root_map_id AND m.x IS NULL"};
+// What ties the map to plans ends with it: one that is made again under its id is another map.
+constexpr Statement kLeavePriorMaps{"taking the map from prior maps",
+                                    "UPDATE enfilade.prior_maps SET aligned_maps = array_remove(aligned_maps, $2),"
+                                    " joined_maps = array_remove(joined_maps, $2), etag = $3, update_time = now()"
+                                    " WHERE site_id = $1 AND aligned_maps @> ARRAY[$2]"};
 constexpr Statement kLockMap{"locking the map",
                              "SELECT etag FROM enfilade.maps"
                              " WHERE site_id = $1 AND map_id = $2 AND redirect_map_id IS NULL FOR UPDATE"};
@@ -257,6 +262,7 @@ absl::Status MapStore::Delete(const CallContext& context, const SiteId& site, co
   if (!force) ENFILADE_RETURN_IF_ERROR(ValidateUnused(site, map, {sessions, link_points}));
   ENFILADE_RETURN_IF_ERROR(TakeFromGraph(transaction, site, map, version, link_points));
   transaction.Queue(kMarkSessionsDeleted, Params(site, session_views));
+  transaction.Queue(kLeavePriorMaps, Params(site, map, NewEtag()));
   transaction.Queue(kDeleteMap, Params(site, map));
   const absl::Status committed = transaction.Commit();
   if (SqlStateOf(committed) == "23503") {

@@ -350,7 +350,7 @@ class Tour:
         self.ok("MapService.ImportMap", {"manifest": {"parent": f"{site}/maps/m", "dialect": NAV2, "files": entries}}, *chunks)
         for name in ("plan", "spare"):
             self.ok("PriorMapService.ImportPriorMap",
-                    {"manifest": {"parent": site, "prior_map_id": name, "display_name": name,
+                    {"manifest": {"parent": site, "prior_map_id": name, "display_name": name, "request_id": name,
                                   "file": {"name": "plan.geojson", "size_bytes": len(plan()), "sha256": sha(plan())}}},
                     {"chunk": {"data": plan()}})
         name = f"{site}/priorMaps/plan"
@@ -366,7 +366,9 @@ class Tour:
         self.ok("PriorMapService.ListPredictedLinkPoints", {"parent": name, "page_size": 3})
         self.ok("PriorMapService.SuspendPriorMap", {"name": name})
         self.ok("PriorMapService.ExportPriorMap", {"name": name})
-        self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare"})
+        self.ok("PriorMapService.EditPriorMap", {"name": name, "plan": plan().decode(), "validate_only": True,
+                                                 "measure": {"to_x": 100, "length_m": 5}})
+        self.ok("PriorMapService.DeletePriorMap", {"name": f"{site}/priorMaps/spare", "force": True})
 
     def map_edits(self):
         """Of a map of their own, which a robot contests: people erase its walls, and the next session sees them again."""

@@ -89,7 +89,7 @@ class PriorMapFixture : public ServerTest {
     ASSERT_OK(client::FromGrpcStatus(writer->Finish()));
   }
   absl::StatusOr<v1::AlignPriorMapResponse> Align(v1::AlignPriorMapRequest request = {}) const {
-    request.set_name(kPlan);
+    if (request.name().empty()) request.set_name(kPlan);
     // It computes for many seconds on a busy machine.
     const auto stub = v1::PriorMapService::NewStub(connection_->channel());
     grpc::ClientContext context;
@@ -99,16 +99,17 @@ class PriorMapFixture : public ServerTest {
     if (!status.ok()) return status;
     return response;
   }
-  v1::PriorMap Get() const {
+  v1::PriorMap Get(const std::string& name = kPlan) const {
     v1::GetPriorMapRequest request;
-    request.set_name(kPlan);
+    request.set_name(name);
     const auto response = Call(&v1::PriorMapService::Stub::GetPriorMap, request);
     EXPECT_OK(response.status());
     return response.ok() ? response->prior_map() : v1::PriorMap();
   }
-  absl::StatusOr<Files> Export(const std::vector<v1::PriorMapProduct>& products) const {
+  absl::StatusOr<Files> Export(const std::vector<v1::PriorMapProduct>& products,
+                               const std::string& name = kPlan) const {
     v1::ExportPriorMapRequest request;
-    request.set_name(kPlan);
+    request.set_name(name);
     for (const v1::PriorMapProduct product : products) request.add_products(product);
     const auto stub = v1::PriorMapService::NewStub(connection_->channel());
     grpc::ClientContext context;
@@ -129,20 +130,46 @@ class PriorMapFixture : public ServerTest {
     for (const v1::FileEntry& entry : manifest.files()) EXPECT_EQ(Sha256(files[entry.name()]), entry.sha256());
     return files;
   }
-  absl::StatusOr<v1::PriorMap> Activate(const std::string& etag = "") const {
+  absl::StatusOr<v1::PriorMap> Activate(const std::string& etag = "", const std::string& name = kPlan) const {
     v1::ActivatePriorMapRequest request;
-    request.set_name(kPlan);
+    request.set_name(name);
     request.set_etag(etag);
     const auto response = Call(&v1::PriorMapService::Stub::ActivatePriorMap, request);
     if (!response.ok()) return response.status();
     return response->prior_map();
   }
-  absl::StatusOr<v1::PriorMap> Suspend() const {
+  absl::StatusOr<v1::PriorMap> Suspend(const std::string& etag = "", const std::string& name = kPlan) const {
     v1::SuspendPriorMapRequest request;
-    request.set_name(kPlan);
+    request.set_name(name);
+    request.set_etag(etag);
     const auto response = Call(&v1::PriorMapService::Stub::SuspendPriorMap, request);
     if (!response.ok()) return response.status();
     return response->prior_map();
+  }
+  absl::Status Delete(const std::string& etag = "", bool force = false, const std::string& name = kPlan) const {
+    v1::DeletePriorMapRequest request;
+    request.set_name(name);
+    request.set_etag(etag);
+    request.set_force(force);
+    return Call(&v1::PriorMapService::Stub::DeletePriorMap, request).status();
+  }
+  void MakeMap(const std::string& id, int level = 0) const {
+    v1::CreateMapRequest request;
+    request.set_parent("sites/s");
+    request.set_map_id(id);
+    request.mutable_map()->set_display_name(id);
+    request.mutable_map()->set_level(level);
+    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
+    ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request).status());
+  }
+  static v1::ControlPair Pair(const Eigen::Vector2d& sheet, const Eigen::Vector2d& point, const std::string& map = "") {
+    v1::ControlPair pair;
+    pair.set_sheet_x(sheet.x());
+    pair.set_sheet_y(sheet.y());
+    pair.set_map(map);
+    pair.set_x_m(point.x());
+    pair.set_y_m(point.y());
+    return pair;
   }
   static Eigen::Vector2d Placed(const v1::PriorAlignment& alignment, const Eigen::Vector2d& sheet) {
     const auto& a = alignment.affine_world_sheet();

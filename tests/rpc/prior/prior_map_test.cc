@@ -39,7 +39,7 @@ TEST_F(PriorMapTest, APlanIsImportedFoundAndCompleted) {
   std::vector<std::string> names;
   for (const auto& [name, bytes] : files) names.push_back(name);
   EXPECT_THAT(names,
-              UnorderedElementsAre("sheet.geojson", "plan.geojson", "walls.geojson", "walls.svg", "walls.building.yaml",
+              UnorderedElementsAre("sheet.geojson", "plan.geojson", "walls.geojson", "walls.svg", "walls.building.yaml", "report.json",
                                    "planning.png", "planning.yaml", "planning-mask.png", "fit.png"));
   EXPECT_EQ(files.at("sheet.geojson"), prior::WriteGeoJsonPlan(prior::DrawnBuilding()));
   EXPECT_THAT(files.at("walls.geojson"), HasSubstr("\"unseen\""));

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a plan in use does to the site's graph.
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
 #include "enfilade/v1/prior_map_service.grpc.pb.h"
+#include "proto/convert/geometry.h"
 #include "tests/rpc/prior/prior_map_fixture.h"
 #include "tests/support/eventually.h"
 
@@ -29,12 +32,7 @@ class PriorTiesTest : public PriorMapFixture {
   }
   void MapBoth() {
     MapBuilding(IsWest);
-    v1::CreateMapRequest request;
-    request.set_parent("sites/s");
-    request.set_map_id("n");
-    request.mutable_map()->set_display_name("East");
-    request.mutable_map()->set_environment(v1::Map::ENVIRONMENT_INDOOR);
-    ASSERT_OK(Call(&v1::MapService::Stub::CreateMap, request).status());
+    MakeMap("n");
     MapBuilding(IsEast, "n", InEast);
   }
   v1::GlobalPose WhereIs(const std::string& map, const Eigen::Vector2d& point = Eigen::Vector2d::Zero()) const {
@@ -70,6 +68,48 @@ class PriorTiesTest : public PriorMapFixture {
   bool IsPlaced(const std::string& map) const { return WhereIs(map).has_pose_world_robot(); }
 };
 
+TEST_F(PriorTiesTest, APlanInUseIsAlignedAgainWhenRobotsHaveMappedMore) {
+  server::ServerOptions options = Options();
+  options.prior_maps.realign_s = 1.0;
+  Restart(options);
+  MapBuilding(IsWest);
+  ASSERT_OK(ImportDrawnBuilding().status());
+  ASSERT_OK(Align().status());
+  ASSERT_OK_AND_ASSIGN(const v1::PriorMap before, Activate());
+  MapBuilding([](const Eigen::Vector2d&) { return true; });
+  v1::PriorMap after;
+  ASSERT_TRUE(Eventually([&] {
+    after = Get();
+    return after.alignment().tied_walls() > before.alignment().tied_walls();
+  })) << after.DebugString();
+  EXPECT_EQ(after.state(), v1::PriorMap::STATE_ACTIVE);
+  EXPECT_EQ(after.reason(), before.reason());
+  EXPECT_EQ(after.alignment().rival_ratio(), before.alignment().rival_ratio());
+  for (const Eigen::Vector2d& sheet : {Eigen::Vector2d(10, 10), {860, 20}, {600, 400}}) {
+    EXPECT_LT((Placed(after.alignment(), sheet) - Truth(sheet)).norm(), 0.1);
+  }
+  // Somewhere else robots have been does not fit it.
+  MapBuilding(
+      [](const Eigen::Vector2d&) { return true; }, "m",
+      [](const Eigen::Vector2d& sheet) -> Eigen::Vector2d { return Truth(sheet) + Eigen::Vector2d(37.0, 11.0); });
+  ASSERT_TRUE(Eventually([&] { return Get().state() == v1::PriorMap::STATE_DIVERGED; }));
+  EXPECT_THAT(Get().reason(), HasSubstr("robots have seen more"));
+  EXPECT_EQ(Get().alignment().align_time().SerializeAsString(), after.alignment().align_time().SerializeAsString());
+}
+
+TEST_F(PriorTiesTest, APlanThatNobodyUsesStaysWhereItIs) {
+  server::ServerOptions options = Options();
+  options.prior_maps.realign_s = 1.0;
+  Restart(options);
+  MapBuilding(IsWest);
+  ASSERT_OK(ImportDrawnBuilding().status());
+  ASSERT_OK(Align().status());
+  const v1::PriorMap proposed = Get();
+  MapBuilding([](const Eigen::Vector2d&) { return true; });
+  std::this_thread::sleep_for(std::chrono::seconds(3));  // three times as long as it would take
+  EXPECT_EQ(Get().SerializeAsString(), proposed.SerializeAsString());
+}
+
 TEST_F(PriorTiesTest, AMapThatNothingJoinsIsPlacedByThePlan) {
   MapBoth();
   ASSERT_OK(ImportDrawnBuilding().status());
@@ -93,6 +133,27 @@ TEST_F(PriorTiesTest, AMapThatNothingJoinsIsPlacedByThePlan) {
     const v1::Pose2& pose = found.pose_world_robot().pose();
     EXPECT_LT((Eigen::Vector2d(pose.x(), pose.y()) - Truth(sheet)).norm(), 0.1);
     EXPECT_THAT(found.prior_maps(), ElementsAre(kPlan));
+    EXPECT_THAT(found.prior_hops(), IsEmpty()) << "nobody has asked";
+  }
+  v1::GetGlobalPoseRequest explain;
+  explain.mutable_map_pose()->set_map("sites/s/maps/n");
+  *explain.mutable_map_pose()->mutable_pose_map_robot() = convert::ToProto(PoseWithCovariance{{1.0, 2.0, 0.3}});
+  explain.set_with_prior_hops(true);
+  ASSERT_OK_AND_ASSIGN(const auto explained, Call(&v1::GraphService::Stub::GetGlobalPose, explain));
+  EXPECT_GT(explained.global_pose().prior_hops_size(), 5);
+  std::vector<double> sum(9, 0.0);
+  const auto add = [&sum](const auto& share) {
+    for (int i = 0; i < 9; ++i) sum[static_cast<std::size_t>(i)] += share[i];
+  };
+  add(explained.global_pose().base_share());
+  add(explained.global_pose().robot_share());
+  for (const v1::PriorHop& hop : explained.global_pose().prior_hops()) {
+    EXPECT_EQ(hop.prior_map(), kPlan);
+    add(hop.share());
+  }
+  EXPECT_FALSE(explained.global_pose().prior_hops(0).has_wall()) << "everything but the walls that the map has seen";
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_NEAR(sum[static_cast<std::size_t>(i)], explained.global_pose().pose_world_robot().covariance(i), 1e-9);
   }
   v1::TransformPosesRequest transform;
   transform.set_source_map("sites/s/maps/n");

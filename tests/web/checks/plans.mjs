@@ -81,10 +81,12 @@ export function addPlans({ system, browser, at }) {
       await page.locator('.scene-canvas').click({ position: { x: Math.round(screen.x), y: Math.round(screen.y) } });
       await until(`pair ${i + 1} is listed`, async () => (await list.getByRole('listitem').count()) === i + 1);
     }
+    await page.getByText('Off the place that fits all pairs best:').waitFor();
     await page.getByRole('button', { name: 'Align by these points' }).click();
     await page.getByText(/^Accepted: /).waitFor({ timeout: 120_000 });
     const { pairs } = (await planOf(system)).alignment;
     assert.equal(pairs.length, 3);
+    await page.getByText('Off the plan as it is aligned:').waitFor();
     pairs.forEach(({ sheetX, sheetY }, i) => assert.ok(distance({ x: sheetX, y: sheetY }, toSheet(places[i])) < 3 * (natural.width / 300), `pair ${i + 1} is where it was shown`));
     assert.equal(await list.getByText('off by').count(), 3);
     await page.getByRole('button', { name: 'Remove pair 2' }).click();

@@ -20,6 +20,7 @@ namespace {
 struct PoseCommandOptions {
   std::string robot;
   std::string at;
+  bool walls = false;
   double rate_hz = 1.0;
   std::string from;
   std::string to;
@@ -42,8 +43,14 @@ nlohmann::json ToJson(const v1::GlobalPose& pose) {
                       {"graph_version", pose.graph_version()},
                       {"search_radius_m", pose.search_radius_m()},
                       {"prior_maps", std::vector<std::string>(pose.prior_maps().begin(), pose.prior_maps().end())},
+                      {"prior_hops", nlohmann::json::array()},
                       {"hops", nlohmann::json::array()}};
   if (pose.has_pose_world_robot()) json["pose_world_robot"] = PoseToJson(pose.pose_world_robot());
+  for (const v1::PriorHop& hop : pose.prior_hops()) {
+    nlohmann::json& out = json["prior_hops"].emplace_back(nlohmann::json{
+        {"prior_map", hop.prior_map()}, {"share", std::vector<double>(hop.share().begin(), hop.share().end())}});
+    if (hop.has_wall()) out["wall"] = hop.wall();
+  }
   for (const v1::PoseHop& hop : pose.hops()) {
     json["hops"].push_back({{"link_point", hop.link_point()},
                             {"from_map", hop.from_map()},
@@ -52,6 +59,11 @@ nlohmann::json ToJson(const v1::GlobalPose& pose) {
                             {"share", std::vector<double>(hop.share().begin(), hop.share().end())}});
   }
   return json;
+}
+
+double PositionVariance(const v1::PoseWithCovariance& pose) {
+  const double variance = pose.covariance_size() == 9 ? pose.covariance(0) + pose.covariance(4) : 0.0;
+  return variance > 0.0 ? variance : 1.0;
 }
 
 // `one_line`: as one item of a stream.
@@ -75,6 +87,12 @@ void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line
                              IdOf(hop.link_point()));
   }
   for (const std::string& plan : pose.prior_maps()) std::cout << fmt::format("  by plan {}\n", IdOf(plan));
+  for (const v1::PriorHop& hop : pose.prior_hops()) {
+    const double variance = hop.share_size() == 9 ? hop.share(0) + hop.share(4) : 0.0;
+    std::cout << fmt::format("    {} of {}: {:.1f} % of the position's variance\n",
+                             hop.has_wall() ? fmt::format("wall {}", hop.wall()) : "all else", IdOf(hop.prior_map()),
+                             100.0 * variance / PositionVariance(pose.pose_world_robot()));
+  }
   if (!one_line) {
     std::cout << fmt::format("  search radius {:.2f} m, graph version {}\n", pose.search_radius_m(),
                              pose.graph_version());
@@ -93,6 +111,7 @@ absl::Status PrintGlobalPose(const Globals& globals, const PoseCommandOptions& o
   } else {
     return InvalidArgument("no pose is given: use --robot or --at MAP,X,Y,YAW");
   }
+  request.set_with_prior_hops(options.walls);
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::GraphService::Stub::GetGlobalPose, request));
   PrintPose(globals, response.global_pose(), false);
   return absl::OkStatus();
@@ -177,6 +196,7 @@ void AddPose(CLI::App& app, const Globals& globals) {
                  [&globals, options] { return PrintGlobalPose(globals, *options); });
   global->add_option("--robot", options->robot, "The last reported pose of this robot, by its id");
   global->add_option("--at", options->at, "A pose in a map: MAP,X,Y,YAW");
+  global->add_flag("--walls", options->walls, "Also how much each wall of a plan contributes to the uncertainty");
   global->footer("Examples: enfilade pose global --robot r1\n          enfilade pose global --at Lab,1,2,0.5");
   CLI::App* watch = AddCommand(*pose, "watch", "Print global poses as they change, until interrupted",
                                [&globals, options] { return WatchPoses(globals, *options); });

@@ -43,18 +43,6 @@ client::TransferProgress ProgressOf(ProgressBar& bar) {
   };
 }
 
-nlohmann::json RevisionJson(const v1::MapRevision& revision) {
-  return {{"revision", revision.name()},
-          {"width", revision.width()},
-          {"height", revision.height()},
-          {"resolution_m", revision.resolution_m()}};
-}
-
-void PrintRevision(const v1::MapRevision& revision) {
-  std::cout << revision.name() << ": " << revision.width() << " x " << revision.height() << " cells of "
-            << revision.resolution_m() << " m\n";
-}
-
 absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& options) {
   const client::Connection connection = ConnectionOf(globals);
   v1::ExportMapRequest request;
@@ -75,7 +63,7 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
                             client::ExportMap(connection, request, options.directory, ProgressOf(bar)));
   bar.Finish();
   if (globals.json) {
-    nlohmann::json document = RevisionJson(exported.revision);
+    nlohmann::json document = RevisionToJson(exported.revision);
     document["bytes"] = exported.bytes;
     for (const std::filesystem::path& path : exported.files) document["files"].push_back(path.string());
     PrintJson(std::cout, document);
@@ -115,7 +103,7 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
   bar.Finish();
   for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';
   if (globals.json) {
-    PrintJson(std::cout, RevisionJson(response.revision()));
+    PrintJson(std::cout, RevisionToJson(response.revision()));
   } else {
     PrintRevision(response.revision());
   }

@@ -15,15 +15,6 @@
 namespace enfilade::cli {
 namespace {
 
-std::string TrajectoryText(const slam::SlamMap& map) {
-  std::string text;
-  for (const slam::StampedPose& pose : slam::TrajectoryOf(map)) {
-    text += fmt::format("{}.{:09d} {} {} {}\n", pose.time / kNsPerSecond, pose.time % kNsPerSecond, pose.T_map_robot.x,
-                        pose.T_map_robot.y, pose.T_map_robot.yaw);
-  }
-  return text;
-}
-
 const char* NameOf(slam::LoopClosureState state) {
   switch (state) {
     case slam::LoopClosureState::kAccepted:
@@ -71,6 +62,15 @@ absl::Status WritePlot(const std::filesystem::path& directory, const slam::SlamM
 }
 
 }  // namespace
+
+std::string TrajectoryText(const slam::SlamMap& map) {
+  std::string text;
+  for (const slam::StampedPose& pose : slam::TrajectoryOf(map)) {
+    text += fmt::format("{}.{:09d} {} {} {}\n", pose.time / kNsPerSecond, pose.time % kNsPerSecond, pose.T_map_robot.x,
+                        pose.T_map_robot.y, pose.T_map_robot.yaw);
+  }
+  return text;
+}
 
 absl::Status WriteSlamFiles(const std::filesystem::path& directory, const slam::SlamMap& map,
                             const grid::OccupancyGrid& grid, bool plot) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
+#include "core/base/status_macros.h"
 
 namespace enfilade::cli {
 
@@ -22,15 +23,29 @@ void AddPlanOptions(CLI::App& command, PlanOptions& options, const std::string& 
 absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options) {
   perception::ReadPlanOptions reading{.page = options.page, .layers = options.layers, .level = options.level};
   if (options.measure.empty()) return reading;
+  ENFILADE_ASSIGN_OR_RETURN(reading.measure, ParseMeasure(options.measure));
+  return reading;
+}
+
+absl::StatusOr<perception::PlanMeasure> ParseMeasure(const std::string& text) {
   perception::PlanMeasure measure;
   int used = 0;
-  if (std::sscanf(options.measure.c_str(), "%lf,%lf,%lf,%lf=%lf%n", &measure.from.x(), &measure.from.y(),
-                  &measure.to.x(), &measure.to.y(), &measure.metres, &used) != 5 ||
-      used != static_cast<int>(options.measure.size())) {
-    return InvalidArgument("--measure \"{}\": expected X1,Y1,X2,Y2=METRES", options.measure);
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf=%lf%n", &measure.from.x(), &measure.from.y(), &measure.to.x(),
+                  &measure.to.y(), &measure.metres, &used) != 5 ||
+      used != static_cast<int>(text.size())) {
+    return InvalidArgument("--measure \"{}\": expected X1,Y1,X2,Y2=METRES", text);
   }
-  reading.measure = measure;
-  return reading;
+  return measure;
+}
+
+v1::PlanMeasure MeasureToProto(const perception::PlanMeasure& measure) {
+  v1::PlanMeasure out;
+  out.set_from_x(measure.from.x());
+  out.set_from_y(measure.from.y());
+  out.set_to_x(measure.to.x());
+  out.set_to_y(measure.to.y());
+  out.set_length_m(measure.metres);
+  return out;
 }
 
 }  // namespace enfilade::cli

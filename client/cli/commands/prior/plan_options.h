@@ -6,6 +6,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
+#include "enfilade/v1/prior_map_service.pb.h"
 #include "perception/plan/read_plan.h"
 
 namespace enfilade::cli {
@@ -24,5 +25,8 @@ void AddPlanOptions(CLI::App& command, PlanOptions& options, const std::string& 
 
 // INVALID_ARGUMENT, naming the option.
 absl::StatusOr<perception::ReadPlanOptions> ToReadOptions(const PlanOptions& options);
+absl::StatusOr<perception::PlanMeasure> ParseMeasure(const std::string& text);  // of --measure
+
+v1::PlanMeasure MeasureToProto(const perception::PlanMeasure& measure);
 
 }  // namespace enfilade::cli

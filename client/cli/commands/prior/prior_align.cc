@@ -21,6 +21,7 @@ struct PriorAlignOptions {
   std::string plan;
   std::string pairs;
   std::string map;
+  bool from_last = false;
   bool activate = false;
   bool dry_run = false;
 };
@@ -68,6 +69,7 @@ absl::Status RunPriorAlign(const Globals& globals, const PriorAlignOptions& opti
   ENFILADE_ASSIGN_OR_RETURN(const v1::PriorMap found,
                             client::FindPriorMap(connection, SiteId(globals.site), options.plan));
   request.set_name(found.name());
+  request.set_from_last(options.from_last);
   request.set_activate(options.activate);
   request.set_validate_only(options.dry_run);
   ENFILADE_ASSIGN_OR_RETURN(const auto response, connection.Call(&v1::PriorMapService::Stub::AlignPriorMap, request));
@@ -88,11 +90,17 @@ void AddPriorAlign(CLI::App& prior, const Globals& globals) {
       "Points that are known in both: lines of plan_x_px,plan_y_px,x_m,y_m (default: it is found without help)");
   command->add_option("--map", options->map, "The points lie in this map's frame (default: in the world's)")
       ->needs(pairs);
+  command
+      ->add_flag("--from-last", options->from_last,
+                 "Begin where it was placed last, and do not look elsewhere: after `prior edit`, or when robots have "
+                 "mapped more")
+      ->excludes(pairs);
   command->add_flag("--activate", options->activate, "Use it at once if it is accepted");
   command->add_flag("--dry-run", options->dry_run, "Only say what would become of it");
   command->footer(
       "Examples:\n  enfilade prior align \"Ground floor\"\n"
-      "  enfilade prior align \"Ground floor\" --pairs pairs.csv --map Hall --activate");
+      "  enfilade prior align \"Ground floor\" --pairs pairs.csv --map Hall --activate\n"
+      "  enfilade prior align \"Ground floor\" --from-last");
 }
 
 }  // namespace enfilade::cli

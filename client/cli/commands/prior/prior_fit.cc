@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/commands/offline/slam_files.h"
 #include "client/cli/commands/prior/plan_options.h"
 #include "client/cli/commands/prior/prior_fit_files.h"
 #include "client/cli/log_mapping.h"
@@ -22,6 +23,7 @@
 #include "core/prior/alignment/map_evidence.h"
 #include "core/prior/fit/fit_plan.h"
 #include "core/prior/products/products.h"
+#include "core/prior/slam/map_with_plan.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -40,6 +42,8 @@ struct PriorFitOptions {
   std::string points;
   std::string mode{prior::NameOf(prior::FitMode::kFull)};
   bool automatic = false;
+  bool correct_map = false;
+  std::string trajectory;
   std::optional<double> resolution;
   sources::LogOptions reading;
 };
@@ -56,6 +60,20 @@ absl::StatusOr<grid::OccupancyGrid> MapLog(const Globals& globals, const PriorFi
   slam::LogMapper mapper(sensor::ScanPairingOptions{}, slam::SlamOptions{});
   ENFILADE_RETURN_IF_ERROR(MapToEnd(globals, reader, mapper).status());
   return mapper.RenderGrid();
+}
+
+// The log's map, corrected by the plan, and with --trajectory the file.
+absl::StatusOr<prior::MapWithPlan> MapWithPlan(const PriorFitOptions& options, const prior::PlanGraph& plan,
+                                               const prior::FitOptions& fitting) {
+  ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader,
+                            sources::LogReader::Open(options.inputs.front(), options.reading));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::PairedScan> scans, ReadScans(reader));
+  ENFILADE_ASSIGN_OR_RETURN(prior::MapWithPlan mapped,
+                            prior::MapLogWithPlan(plan, scans, fitting, slam::SlamOptions{}));
+  if (!options.trajectory.empty()) {
+    ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.trajectory, TrajectoryText(mapped.mapped.map)));
+  }
+  return mapped;
 }
 
 absl::StatusOr<std::vector<grid::OccupancyGrid>> ReadInputs(const Globals& globals, const PriorFitOptions& options) {
@@ -100,7 +118,7 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) return InvalidArgument("{}: {}", options.directory, error.message());
-  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, prior::CorrectedFiles(plan, *fit.corrected)));
+  ENFILADE_RETURN_IF_ERROR(WriteAll(directory, prior::CorrectedFiles(plan, fit)));
   ENFILADE_ASSIGN_OR_RETURN(const auto planning, prior::PlanningFiles(plan, fit, grid::MapFileFormat::kPgm));
   ENFILADE_RETURN_IF_ERROR(WriteAll(directory, planning));
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapFile picture, prior::PictureFile(plan, fit));
@@ -115,8 +133,9 @@ nlohmann::json InputReport(const std::string& input, const prior::FittedMap& map
   return report;
 }
 
-// `seconds`: without mapping logs.
-void PrintReport(const Globals& globals, const PriorFitOptions& options, const prior::PlanFit& fit, double seconds) {
+// `with_plan`: null without --correct-map. `seconds`: without mapping logs.
+void PrintReport(const Globals& globals, const PriorFitOptions& options, const prior::PlanFit& fit,
+                 const prior::MapWithPlan* with_plan, double seconds) {
   const prior::Alignment& alignment = fit.alignment;
   const prior::Agreement& agreement = fit.corrected ? fit.corrected->agreement() : alignment.agreement;
   const Eigen::Matrix2d& linear = alignment.T_map_sheet.linear;
@@ -137,7 +156,14 @@ void PrintReport(const Globals& globals, const PriorFitOptions& options, const p
     for (std::size_t i = 0; i < fit.maps.size(); ++i) {
       report["inputs"].push_back(InputReport(options.inputs[i], fit.maps[i]));
     }
+    if (with_plan != nullptr) {
+      report["map"] = {{"corrected", with_plan->corrected}, {"reason", with_plan->reason}};
+    }
     return PrintJson(std::cout, report);
+  }
+  if (with_plan != nullptr) {
+    std::cout << fmt::format("map {}: {}\n", with_plan->corrected ? "corrected" : "as without the plan",
+                             with_plan->reason);
   }
   std::cout << fmt::format("{}: {}\n", alignment.accepted ? "accepted" : "refused", alignment.reason)
             << fmt::format(
@@ -154,6 +180,9 @@ void PrintReport(const Globals& globals, const PriorFitOptions& options, const p
 
 absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options) {
   if (!options.points.empty() && options.directory.empty()) return InvalidArgument("prior fit: --points needs -o DIR");
+  if (options.correct_map && (options.inputs.size() != 1 || IsMap(options.inputs.front()))) {
+    return InvalidArgument("prior fit: --correct-map needs one INPUT, a recorded log");
+  }
   std::vector<Eigen::Vector2d> points;
   if (!options.points.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(points, ReadSheetPoints(options.points));
@@ -162,12 +191,19 @@ absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options)
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, perception::ReadPlan(options.plan.path, reading));
   ENFILADE_ASSIGN_OR_RETURN(prior::FitOptions fitting, ToFitOptions(options));
   for (prior::ControlPair& pair : fitting.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<grid::OccupancyGrid> maps, ReadInputs(globals, options));
+  std::optional<prior::MapWithPlan> with_plan;
+  std::vector<grid::OccupancyGrid> maps;
+  if (options.correct_map) {
+    ENFILADE_ASSIGN_OR_RETURN(with_plan, MapWithPlan(options, plan, fitting));
+    maps.push_back(with_plan->mapped.grid);
+  } else {
+    ENFILADE_ASSIGN_OR_RETURN(maps, ReadInputs(globals, options));
+  }
   const Clock::time_point begin = Clock::now();
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, FitInputs(options, plan, maps, fitting));
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (fit.corrected && !options.directory.empty()) ENFILADE_RETURN_IF_ERROR(WriteFiles(options, plan, fit, points));
-  PrintReport(globals, options, fit, seconds);
+  PrintReport(globals, options, fit, with_plan ? &*with_plan : nullptr, seconds);
   return absl::OkStatus();
 }
 
@@ -201,6 +237,13 @@ void AddPriorFit(CLI::App& prior, const Globals& globals) {
   command->add_option("--points", options->points, "Lines of plan_x_px,plan_y_px: where do they lie in the input?");
   command->add_option("--resolution", options->resolution,
                       "Metres per pixel of INPUTs (default: the YAML file's; of a picture 0.05)");
+  CLI::Option* correct = command->add_flag("--correct-map", options->correct_map,
+                                           "Correct the map of a recorded log by the plan, too, where SLAM alone has "
+                                           "bent it or got lost (docs/plan_slam.md)");
+  command
+      ->add_option("--trajectory", options->trajectory,
+                   "With --correct-map: write where the robot was at each scan, lines of `t x y yaw`")
+      ->needs(correct);
   AddLogOptions(*command, options->reading);
   AddNoOdometry(*command, options->reading);
   command->footer(

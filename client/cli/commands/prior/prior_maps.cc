@@ -24,6 +24,7 @@ using PriorMapStub = v1::PriorMapService::Stub;
 struct PriorMapsOptions {
   std::string plan;
   std::string new_name;
+  bool force = false;
 };
 
 absl::Status ListPriorMaps(const Globals& globals) {
@@ -90,12 +91,14 @@ absl::Status RenamePriorMap(const Globals& globals, const PriorMapsOptions& opti
   return absl::OkStatus();
 }
 
-absl::Status DeletePriorMap(const Globals& globals, const std::string& plan) {
+absl::Status DeletePriorMap(const Globals& globals, const PriorMapsOptions& options) {
   const client::Connection connection = ConnectionOf(globals);
-  ENFILADE_ASSIGN_OR_RETURN(const v1::PriorMap found, client::FindPriorMap(connection, SiteId(globals.site), plan));
+  ENFILADE_ASSIGN_OR_RETURN(const v1::PriorMap found,
+                            client::FindPriorMap(connection, SiteId(globals.site), options.plan));
   v1::DeletePriorMapRequest request;
   request.set_name(found.name());
   request.set_etag(found.etag());
+  request.set_force(options.force);
   ENFILADE_RETURN_IF_ERROR(connection.Call(&PriorMapStub::DeletePriorMap, request).status());
   if (globals.json) {
     PrintJson(std::cout, {{"deleted", found.name()}});
@@ -127,8 +130,9 @@ void AddPriorMaps(CLI::App& prior, const Globals& globals) {
       add("rename", "Give a plan another name", [&globals, options] { return RenamePriorMap(globals, *options); });
   rename->add_option("NAME", options->new_name, "Its name for people, unique in the site")->required();
   rename->footer("Example: enfilade prior rename \"Ground floor\" \"Ground floor, 2026\"");
-  add("delete", "Delete a plan; maps and poses stay as they are",
-      [&globals, options] { return DeletePriorMap(globals, options->plan); });
+  CLI::App* remove = add("delete", "Delete a plan; maps stay as they are",
+                         [&globals, options] { return DeletePriorMap(globals, *options); });
+  remove->add_flag("--force", options->force, "Also one that is in use: what it ties loses that");
 }
 
 }  // namespace enfilade::cli

@@ -57,13 +57,7 @@ absl::StatusOr<v1::ImportPriorMapManifest> PlanManifest(const Globals& globals, 
   manifest.set_page(reading.page);
   manifest.mutable_layers()->Assign(reading.layers.begin(), reading.layers.end());
   manifest.set_plan_level(reading.level);
-  if (!reading.measure) return manifest;
-  v1::PlanMeasure& measure = *manifest.mutable_measure();
-  measure.set_from_x(reading.measure->from.x());
-  measure.set_from_y(reading.measure->from.y());
-  measure.set_to_x(reading.measure->to.x());
-  measure.set_to_y(reading.measure->to.y());
-  measure.set_length_m(reading.measure->metres);
+  if (reading.measure) *manifest.mutable_measure() = MeasureToProto(*reading.measure);
   return manifest;
 }
 

@@ -8,11 +8,13 @@ const collection = (...features: unknown[]) => ({ type: 'FeatureCollection', fea
 test('reads walls and doors with what robots know of them', () => {
   const lines = linesOfPlan(collection(
     feature({ kind: 'wall', state: 'seen', stretch: 1.01, sigma_m: 0.02 }, [[0, 0], [4, 0], [4, 3]]),
+    feature({ kind: 'wall', state: 'added' }, [[0, 3], [1, 3]]),
     feature({ kind: 'door', state: 'contradicted' }, [[1, 3], [2, 3]]),
   ));
   expect(lines).toEqual([
     { from: { x: 0, y: 0 }, to: { x: 4, y: 0 }, kind: 'wall', state: 'seen' },
     { from: { x: 4, y: 0 }, to: { x: 4, y: 3 }, kind: 'wall', state: 'seen' },
+    { from: { x: 0, y: 3 }, to: { x: 1, y: 3 }, kind: 'wall', state: 'added' },
     { from: { x: 1, y: 3 }, to: { x: 2, y: 3 }, kind: 'door', state: 'contradicted' },
   ]);
 });

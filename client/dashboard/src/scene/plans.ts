@@ -7,7 +7,9 @@ import { addLine } from './glyphs';
 import type { Frame } from './model';
 import { rgba, type Palette } from './palette';
 
-export type WallState = 'seen' | 'unseen' | 'contradicted';
+// What robots know of a wall. Added: the plan does not have it; placed: it is where the plan as a whole lies, before its
+// walls are moved one by one.
+export type WallState = 'seen' | 'unseen' | 'contradicted' | 'added' | 'placed';
 
 export interface PlanLine {
   // Metres of the world.
@@ -23,13 +25,15 @@ export interface Plan {
   lines: PlanLine[];
   // Of all lines; undefined: there are none.
   bounds: Bounds | undefined;
+  // 0 to 1; left out: 1.
+  alpha?: number | undefined;
 }
 
 const WALL_PX = 2;
 const DOOR_PX = 1;
 const DASH_PX = 4;
 
-const states: readonly WallState[] = ['seen', 'unseen', 'contradicted'];
+const states: readonly WallState[] = ['seen', 'unseen', 'contradicted', 'added'];
 
 function pointOf(position: unknown): Point | undefined {
   if (!Array.isArray(position)) return undefined;
@@ -86,11 +90,14 @@ function addDashes(list: InstanceList, { camera, size }: Frame, { from, to }: Pl
 // Those of the level that is shown; all if there is none. Dashed is what robots have looked through.
 export function addPlans(list: InstanceList, palette: Palette, frame: Frame) {
   const { plans = [], level } = frame.view;
-  const colours: Record<WallState, number> = {
-    seen: rgba(palette.colour.planSeen), unseen: rgba(palette.colour.planUnseen), contradicted: rgba(palette.colour.blocked),
-  };
+  const { planSeen, planUnseen, blocked, candidate, select } = palette.colour;
   for (const plan of plans) {
     if (level !== undefined && plan.level !== level) continue;
+    const { alpha = 1 } = plan;
+    const colours: Record<WallState, number> = {
+      seen: rgba(planSeen, alpha), unseen: rgba(planUnseen, alpha), contradicted: rgba(blocked, alpha),
+        added: rgba(candidate, alpha), placed: rgba(select, alpha),
+    };
     for (const line of plan.lines) {
       if (!mayShow(line, frame.window)) continue;
       const width = line.kind === 'door' ? DOOR_PX : WALL_PX;

@@ -149,7 +149,7 @@ TEST_F(PriorMapStoreTest, OneInUseIsPartOfTheGraph) {
   EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first) << "it is proposed only";
   EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
 
-  ASSERT_OK(prior_maps_.SetState(Soon(), site_, plan_, 0, PriorMapState::kActive, "right"));
+  ASSERT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, {PriorMapState::kActive, "right"}));
   EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 1);
   ASSERT_OK_AND_ASSIGN(const auto versions, graphs_.ListVersions(Soon(), site_, 0, 1));
   EXPECT_EQ(versions.at(0).cause, storage::GraphCause::kPriorMapChanged);
@@ -165,12 +165,45 @@ TEST_F(PriorMapStoreTest, OneInUseIsPartOfTheGraph) {
 
   ASSERT_OK(prior_maps_.Rename(Soon(), site_, plan_, 0, "Cellar"));
   EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 1);
-  ASSERT_OK(prior_maps_.SetState(Soon(), site_, plan_, 0, PriorMapState::kSuspended, "wrong"));
+  ASSERT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, {PriorMapState::kSuspended, "wrong"}));
   EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 2);
   EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
-  ASSERT_OK(prior_maps_.SetState(Soon(), site_, plan_, 0, PriorMapState::kActive, "right after all"));
-  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, 0));
+  ASSERT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, {PriorMapState::kActive, "right after all"}));
+  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, 0, true));
   EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), first + 4);
+}
+
+TEST_F(PriorMapStoreTest, ACorrectedPlanTiesNothingUntilItIsAlignedAgain) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  storage::PriorMapOutcome accepted =
+      Accepted({{PriorMapProduct::kCorrected, "walls.svg", "<svg/>"}, {PriorMapProduct::kTies, "ties.bin", "ties"}});
+  accepted.state = PriorMapState::kActive;
+  ASSERT_OK_AND_ASSIGN(const PriorMap active, prior_maps_.SetOutcome(Soon(), site_, plan_, 0, accepted));
+  ASSERT_EQ(graphs_.ReadPlanTies(Soon(), site_, {})->size(), 1U);
+  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graphs_.GetVersion(Soon(), site_));
+  const storage::PriorMapElements elements{.walls = 10, .corners = 11, .doors = 12, .rooms = 13, .shafts = 14};
+  const NewPriorMapFile plan{PriorMapProduct::kPlan, "plan", "corrected"};
+  EXPECT_CODE(prior_maps_.ReplacePlan(Soon(), site_, plan_, active.etag - 1, elements, plan, "align"),
+              absl::StatusCode::kAborted);
+  EXPECT_CODE(prior_maps_.ReplacePlan(Soon(), site_, PriorMapId("other"), 0, elements, plan, "align"),
+              absl::StatusCode::kNotFound);
+  EXPECT_THAT(FilesOf(plan_),
+              ::testing::ElementsAre("sheet.png: pixels", "plan: {}", "walls.svg: <svg/>", "ties.bin: ties"));
+  ASSERT_OK_AND_ASSIGN(const PriorMap edited,
+                       prior_maps_.ReplacePlan(Soon(), site_, plan_, active.etag, elements, plan, "align it again"));
+  EXPECT_EQ(edited.state, PriorMapState::kNew);
+  EXPECT_EQ(edited.reason, "align it again");
+  EXPECT_EQ(edited.elements.walls, 10);
+  EXPECT_EQ(edited.elements.shafts, 14);
+  EXPECT_FALSE(edited.elements.metres_per_unit.has_value());
+  ASSERT_TRUE(edited.alignment.has_value()) << "where to begin";
+  EXPECT_EQ(edited.alignment->pairs.size(), 2U);
+  EXPECT_NE(edited.etag, active.etag);
+  EXPECT_THAT(FilesOf(plan_), ::testing::ElementsAre("sheet.png: pixels", "plan: corrected"));
+  EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), version + 1) << "it was in use";
+  ASSERT_OK(prior_maps_.ReplacePlan(Soon(), site_, plan_, 0, elements, plan, "once more").status());
+  EXPECT_EQ(*graphs_.GetVersion(Soon(), site_), version + 1) << "it was not in use";
 }
 
 TEST_F(PriorMapStoreTest, OneThatContradictsTheMapsDiverges) {
@@ -191,21 +224,81 @@ TEST_F(PriorMapStoreTest, OneThatContradictsTheMapsDiverges) {
   EXPECT_THAT(*graphs_.ReadPlanTies(Soon(), site_, {}), ::testing::IsEmpty());
 }
 
+TEST_F(PriorMapStoreTest, OneInUseIsDeletedByForceOnly) {
+  ASSERT_OK(Create("plan", "Ground floor"));
+  storage::PriorMapOutcome outcome = Accepted({{PriorMapProduct::kTies, "ties", "bytes"}});
+  for (int i = 0; i < 6; ++i) outcome.alignment->maps.emplace_back("m" + std::to_string(i));
+  outcome.state = PriorMapState::kActive;
+  ASSERT_OK_AND_ASSIGN(const PriorMap active, prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome));
+  EXPECT_STATUS(prior_maps_.Delete(Soon(), site_, plan_, 0, false), absl::StatusCode::kFailedPrecondition,
+                ::testing::HasSubstr("maps/hall"));
+  EXPECT_STATUS(prior_maps_.Delete(Soon(), site_, plan_, active.etag, false), absl::StatusCode::kFailedPrecondition,
+                ::testing::HasSubstr("maps/m2 and 3 more"));
+  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, active.etag + 1, false), absl::StatusCode::kAborted);
+  EXPECT_EQ(prior_maps_.Get(Soon(), site_, plan_)->etag, active.etag);
+  EXPECT_OK(prior_maps_.Delete(Soon(), site_, plan_, active.etag, true));
+}
+
+TEST_F(PriorMapStoreTest, OneIsPutToUseOnlyBesideThoseThatWereLookedAt) {
+  for (const char* id : {"plan", "other"}) ASSERT_OK(Create(id, id));
+  storage::PriorMapOutcome outcome = Accepted({});
+  outcome.state = PriorMapState::kActive;
+  outcome.beside.emplace();
+  ASSERT_OK_AND_ASSIGN(const PriorMap other, prior_maps_.SetOutcome(Soon(), site_, PriorMapId("other"), 0, outcome));
+  EXPECT_STATUS(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome), absl::StatusCode::kAborted,
+                ::testing::HasSubstr("priorMaps/other"));
+  EXPECT_EQ(prior_maps_.Get(Soon(), site_, plan_)->state, PriorMapState::kNew);
+  EXPECT_OK(prior_maps_.SetOutcome(Soon(), site_, PriorMapId("other"), 0, outcome)) << "it is not beside itself";
+  outcome.beside->push_back(other.etag);
+  EXPECT_CODE(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome), absl::StatusCode::kAborted)
+      << "it has been changed since";
+  outcome.beside->push_back(prior_maps_.Get(Soon(), site_, PriorMapId("other"))->etag);
+  EXPECT_OK(prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome));
+}
+
+TEST_F(PriorMapStoreTest, MapsThatAreDeletedLeaveTheAlignment) {
+  storage::Map lab;
+  lab.site = site_;
+  lab.id = MapId("lab");
+  lab.display_name = "Lab";
+  lab.environment = storage::Environment::kIndoor;
+  ASSERT_OK_AND_ASSIGN(const storage::Map made, maps_.Create(Soon(), lab, {}));
+  std::vector<TimeNs> create_times = {maps_.Get(Soon(), site_, map_)->create_time, made.create_time};
+  ASSERT_OK(Create("plan", "Ground floor"));
+  storage::PriorMapOutcome outcome = Accepted({{PriorMapProduct::kTies, "ties", "bytes"}});
+  outcome.state = PriorMapState::kActive;
+  outcome.map_create_times = create_times;
+  ASSERT_OK_AND_ASSIGN(const PriorMap both, prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome));
+  EXPECT_EQ(both.alignment->maps.size(), 2U);
+  ASSERT_OK(maps_.Delete(Soon(), site_, lab.id, 0, true));
+  ASSERT_OK_AND_ASSIGN(const PriorMap left, prior_maps_.Get(Soon(), site_, plan_));
+  EXPECT_THAT(left.alignment->maps, ::testing::ElementsAre(map_));
+  EXPECT_THAT(left.alignment->joined_maps, ::testing::IsEmpty());
+  EXPECT_NE(left.etag, both.etag);
+  EXPECT_THAT(graphs_.ReadPlanTies(Soon(), site_, {})->at(0).maps, ::testing::ElementsAre(map_));
+
+  // The same alignment had been begun before, and ends only now; and hall is made again.
+  create_times[0] -= 1000;
+  outcome.map_create_times = create_times;
+  ASSERT_OK_AND_ASSIGN(const PriorMap none, prior_maps_.SetOutcome(Soon(), site_, plan_, 0, outcome));
+  EXPECT_THAT(none.alignment->maps, ::testing::IsEmpty());
+}
+
 TEST_F(PriorMapStoreTest, StaleEtagsChangeNothing) {
   ASSERT_OK_AND_ASSIGN(const PriorMap created, Create("plan", "Ground floor"));
   ASSERT_OK_AND_ASSIGN(const PriorMap renamed, prior_maps_.Rename(Soon(), site_, plan_, created.etag, "Cellar"));
   EXPECT_EQ(renamed.display_name, "Cellar");
   EXPECT_CODE(prior_maps_.Rename(Soon(), site_, plan_, created.etag, "Roof"), absl::StatusCode::kAborted);
   EXPECT_CODE(prior_maps_.SetOutcome(Soon(), site_, plan_, created.etag, Accepted({})), absl::StatusCode::kAborted);
-  EXPECT_CODE(prior_maps_.SetState(Soon(), site_, plan_, created.etag, PriorMapState::kSuspended, ""),
+  EXPECT_CODE(prior_maps_.SetOutcome(Soon(), site_, plan_, created.etag, {PriorMapState::kSuspended, ""}),
               absl::StatusCode::kAborted);
-  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, created.etag), absl::StatusCode::kAborted);
+  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, created.etag, true), absl::StatusCode::kAborted);
   ASSERT_OK_AND_ASSIGN(const PriorMap found, prior_maps_.Get(Soon(), site_, plan_));
   EXPECT_EQ(found.etag, renamed.etag);
   EXPECT_EQ(found.display_name, "Cellar");
-  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, found.etag));
+  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, found.etag, true));
   EXPECT_CODE(prior_maps_.Get(Soon(), site_, plan_), absl::StatusCode::kNotFound);
-  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, 0), absl::StatusCode::kNotFound);
+  EXPECT_CODE(prior_maps_.Delete(Soon(), site_, plan_, 0, true), absl::StatusCode::kNotFound);
 }
 
 TEST_F(PriorMapStoreTest, ItsFilesAreKeptAsLongAsItIsThere) {
@@ -214,7 +307,7 @@ TEST_F(PriorMapStoreTest, ItsFilesAreKeptAsLongAsItIsThere) {
   database_.Sql("UPDATE enfilade.blobs SET put_time = now() - interval '1 day'");
   ASSERT_OK(maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 1000));
   EXPECT_THAT(FilesOf(plan_), ::testing::ElementsAre("sheet.png: pixels", "plan: {}"));
-  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, 0));
+  ASSERT_OK(prior_maps_.Delete(Soon(), site_, plan_, 0, true));
   ASSERT_OK(maintenance.CollectBlobs(Soon(), std::chrono::seconds(0), 1000));
   EXPECT_CODE(blobs_.Get(Soon(), site_, Sha256("pixels")), absl::StatusCode::kNotFound);
 }

@@ -92,7 +92,7 @@ prior::Building TwoFloors() {
 }
 
 TEST_F(ImportTest, ABuildingBecomesMapsLiftsAndCandidates) {
-  ASSERT_OK(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "Hotel ", report_));
+  ASSERT_OK(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "Hotel ", {}, report_));
   EXPECT_THAT(Lines(), ElementsAre("refused levels L3", "remark doors x", "taken levels L1", "taken levels L2",
                                    "taken lifts A", "taken levels L1 doors front"));
   EXPECT_EQ(report_.taken(), 4);
@@ -109,9 +109,26 @@ TEST_F(ImportTest, ABuildingBecomesMapsLiftsAndCandidates) {
   EXPECT_THAT(report_.lines().back().remark, HasSubstr("candidate"));
 }
 
+TEST_F(ImportTest, DrawnLevelsAreFirstRevisions) {
+  std::vector<std::string> drawn;
+  server_.maps.import_map = [&drawn](grpc::ServerReader<v1::ImportMapRequest>& reader, v1::ImportMapResponse&) {
+    v1::ImportMapRequest part;
+    while (reader.Read(&part)) {
+      if (part.has_manifest()) drawn.push_back(part.manifest().parent() + " " + part.manifest().files(0).name());
+    }
+    return drawn.size() < 2 ? grpc::Status::OK : grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too large");
+  };
+  const std::vector<LevelDrawing> drawings = {{{"L1.yaml", "image: L1.png"}, {"L1.png", "pixels"}},
+                                              {{"L2.yaml", "image: L2.png"}, {"L2.png", "pixels"}}};
+  ASSERT_OK(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "Hotel ", drawings, report_));
+  EXPECT_THAT(drawn, ElementsAre("sites/s/maps/m0 L1.yaml", "sites/s/maps/m1 L2.yaml"));
+  EXPECT_THAT(Lines(), ::testing::Contains("remark levels L2"));
+  EXPECT_EQ(report_.taken(), 4);
+}
+
 TEST_F(ImportTest, WhatHangsOnARefusedLevelIsLeftOut) {
   errors_["L1"] = grpc::StatusCode::INVALID_ARGUMENT;
-  ASSERT_OK(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "", report_));
+  ASSERT_OK(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "", {}, report_));
   ASSERT_THAT(link_points_, SizeIs(1)) << "the lift, with its upper stop";
   EXPECT_EQ(link_points_[0].link_point().anchors_size(), 1);
   EXPECT_EQ(report_.lines().back().outcome, Outcome::kRefused);
@@ -124,7 +141,7 @@ TEST_F(ImportTest, AServerThatIsAwayEndsTheImportWithWhatWasDone) {
     report_ = ImportReport();
     names_.clear();
     errors_ = {{"L2", code}};
-    EXPECT_CODE(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "", report_),
+    EXPECT_CODE(ImportBuilding(connection_, SiteId("s"), TwoFloors(), "", {}, report_),
                 static_cast<absl::StatusCode>(code));
     EXPECT_EQ(report_.taken(), 1);
     EXPECT_TRUE(link_points_.empty());

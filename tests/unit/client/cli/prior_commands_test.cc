@@ -8,6 +8,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "core/geometry/pose2.h"
+#include "fmt/format.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/client/cli/command_test.h"
 
@@ -67,6 +68,65 @@ TEST_F(PriorCommandsTest, FitJoinsTheLogsOfTwoRobotsByAPicture) {
   }
   ASSERT_OK(Run({"prior", "fit", Path("plan/plan.svg"), Path("out/planning.yaml")}));
   EXPECT_EQ(Printed()["accepted"], true) << Printed()["reason"];
+}
+
+// Two corners of the plan, and where they are in the map of `robot`.
+std::string PairsOf(const nlohmann::json& truth, const Pose2& start) {
+  std::string pairs;
+  const std::size_t last = truth["corners"].size() - 1;
+  for (const std::size_t i : {std::size_t{0}, last}) {
+    const nlohmann::json& corner = truth["corners"][i];
+    const Eigen::Vector2d campus(corner["campus_m"][0], corner["campus_m"][1]);
+    const Eigen::Vector2d map = Inverse(start) * campus;
+    pairs += fmt::format("{},{},{},{}\n", corner["sheet_px"][0].get<double>(), corner["sheet_px"][1].get<double>(),
+                         map.x(), map.y());
+  }
+  return pairs;
+}
+
+TEST_F(PriorCommandsTest, LocateFollowsADriveThroughThePlan) {
+  Simulate();
+  const nlohmann::json truth = nlohmann::json::parse(Content(Path("plan/plan-truth.json")));
+  const std::string pairs = File("pairs.csv", PairsOf(truth, StartOf("robot")));
+  const std::vector<std::string> command = {"prior",
+                                            "locate",
+                                            Path("plan/plan.geojson"),
+                                            Path("campus/robot/log.jsonl"),
+                                            "--pairs",
+                                            pairs,
+                                            "-o",
+                                            Path("located.json"),
+                                            "--plot",
+                                            Path("located.png")};
+  ASSERT_OK(Run(command));
+  const nlohmann::json report = Printed();
+  EXPECT_EQ(report["confident"], true);
+  EXPECT_GT(report["travelled_m"], 20.0);
+  ASSERT_FALSE(report["modes"].empty());
+  const nlohmann::json& mode = report["modes"][0];
+  EXPECT_GE(mode["mass"], 0.95);
+  EXPECT_EQ(mode["covariance"].size(), 4U);
+  EXPECT_EQ(mode["mirrored"], truth["mirrored"]);
+  EXPECT_FALSE(report["submaps"].empty());
+  EXPECT_FALSE(Content(Path("located.png")).empty());
+  const nlohmann::json all = nlohmann::json::parse(Content(Path("located.json")));
+  EXPECT_EQ(all["steps"].back()["modes"], report["modes"]);
+
+  ASSERT_OK(Run(command));
+  EXPECT_EQ(Printed()["modes"], report["modes"]);
+}
+
+TEST_F(PriorCommandsTest, LocateNamesWhatItCannotUse) {
+  Simulate();
+  const std::string log = Path("campus/robot/log.jsonl");
+  EXPECT_STATUS(Run({"prior", "locate", Path("plan/plan.svg"), log, "--model", "best"}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("--model"));
+  const std::string same = File("same.csv", "1,1,0,0\n1,1,9,9\n");
+  EXPECT_STATUS(Run({"prior", "locate", Path("plan/plan.svg"), log, "--pairs", same}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("pairs 1 and 2 show the same point"));
+  const std::string empty = File("empty.csv", "# nothing\n");
+  EXPECT_STATUS(Run({"prior", "locate", Path("plan/plan.svg"), log, "--pairs", empty}),
+                absl::StatusCode::kInvalidArgument, HasSubstr("empty.csv: no pairs"));
 }
 
 TEST_F(PriorCommandsTest, FitNamesAModeThatDoesNotExist) {

@@ -59,6 +59,11 @@ TEST_F(PriorMapCommandsTest, BadArgumentsAreRefusedBeforeTheCall) {
                                                                      {"align"},
                                                                      {"align", "g", "--map", "Hall"},
                                                                      {"align", "g", "--pairs", pairs},
+                                                                     {"align", "g", "--pairs", pairs, "--from-last"},
+                                                                     {"edit"},
+                                                                     {"edit", "g"},
+                                                                     {"edit", "g", "--measure", "1,2=3"},
+                                                                     {"edit", "g", File("empty.geojson", "")},
                                                                      {"rename", "g"},
                                                                      {"export", "g"},
                                                                      {"export", "g", "-o", "o", "--product", "wall"}}) {
@@ -153,6 +158,9 @@ TEST_F(PriorMapCommandsTest, AlignSendsPairsInAMapsFrameOrInTheWorlds) {
   EXPECT_EQ(asked.pairs_size(), 0);
   EXPECT_FALSE(asked.activate());
   EXPECT_FALSE(asked.validate_only());
+  EXPECT_FALSE(asked.from_last());
+  ASSERT_OK(Run({"align", "Ground floor", "--from-last"}));
+  EXPECT_TRUE(asked.from_last());
 }
 
 TEST_F(PriorMapCommandsTest, ARefusedPlanIsAnAnswer) {
@@ -179,7 +187,7 @@ TEST_F(PriorMapCommandsTest, ChangesNameThePlanAndItsEtag) {
   server_.prior_maps.activate = answer;
   server_.prior_maps.suspend = answer;
   server_.prior_maps.remove = [&](const v1::DeletePriorMapRequest& request, v1::DeletePriorMapResponse&) {
-    asked.push_back(request.name() + " " + request.etag());
+    asked.push_back(request.name() + " " + request.etag() + (request.force() ? " by force" : ""));
     return grpc::Status::OK;
   };
   v1::UpdatePriorMapRequest renamed;
@@ -194,11 +202,48 @@ TEST_F(PriorMapCommandsTest, ChangesNameThePlanAndItsEtag) {
   EXPECT_EQ(Printed()["name"], "sites/s/priorMaps/g");
   ASSERT_OK(Run({"delete", "Ground floor"}, false));
   EXPECT_EQ(printed_, "deleted \"Ground floor\" (sites/s/priorMaps/g)\n");
-  EXPECT_THAT(asked, ElementsAre("sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g"));
+  ASSERT_OK(Run({"delete", "Ground floor", "--force"}));
+  EXPECT_THAT(asked, ElementsAre("sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g", "sites/s/priorMaps/g e-g",
+                                 "sites/s/priorMaps/g e-g by force"));
   ASSERT_OK(Run({"rename", "Ground floor", "Lobby"}, false));
   EXPECT_EQ(renamed.prior_map().etag(), "e-g");
   EXPECT_THAT(renamed.update_mask().paths(), ElementsAre("display_name"));
   EXPECT_EQ(printed_, "renamed: now \"Lobby\" (sites/s/priorMaps/g)\n");
+}
+
+TEST_F(PriorMapCommandsTest, EditSendsTheWholePlanAndSaysWhatHasChanged) {
+  v1::EditPriorMapRequest asked;
+  server_.prior_maps.edit = [&](const v1::EditPriorMapRequest& request, v1::EditPriorMapResponse& response) {
+    asked = request;
+    *response.mutable_prior_map() = GroundFloor();
+    response.mutable_prior_map()->set_state(v1::PriorMap::STATE_NEW);
+    response.mutable_prior_map()->set_reason("align it again");
+    response.mutable_changes()->set_walls_added(2);
+    response.mutable_changes()->set_doors_removed(1);
+    response.mutable_changes()->set_scale_changed(request.has_measure());
+    return grpc::Status::OK;
+  };
+  const std::string plan = File("plan.geojson", "{}");
+  ASSERT_OK(Run({"edit", "Ground floor", plan}, false));
+  EXPECT_EQ(asked.name(), "sites/s/priorMaps/g");
+  EXPECT_EQ(asked.plan(), "{}");
+  EXPECT_EQ(asked.etag(), "e-g");
+  EXPECT_FALSE(asked.has_measure());
+  EXPECT_FALSE(asked.validate_only());
+  EXPECT_EQ(printed_,
+            "corrected \"Ground floor\" (sites/s/priorMaps/g)\n"
+            "walls: 2 added, 0 removed, 0 changed; doors: 0 added, 1 removed\n"
+            "34 walls, 0 corners, 0 doors, 0 rooms, 0 shafts\n"
+            "new: align it again\n");
+  ASSERT_OK(Run({"edit", "Ground floor", "--measure", "1,2,3,4=7.5", "--dry-run", "--etag", "older"}));
+  EXPECT_EQ(asked.plan(), "");
+  EXPECT_EQ(asked.measure().to_x(), 3.0);
+  EXPECT_EQ(asked.etag(), "older");
+  EXPECT_TRUE(asked.validate_only());
+  EXPECT_EQ(Printed()["changes"]["walls_added"], 2);
+  EXPECT_EQ(Printed()["changes"]["scale_changed"], true);
+  EXPECT_EQ(Printed()["state"], "new");
+  EXPECT_CODE(Run({"edit", "Ground floor", "/none/plan.geojson"}), absl::StatusCode::kNotFound);
 }
 
 TEST_F(PriorMapCommandsTest, ExportWritesTheProductsThatAreNamed) {

@@ -178,6 +178,42 @@ TEST(BuildingPlans, NameWhatIsMissing) {
                 "no level \"L9\"; it has L1", {.level = "L9"});
 }
 
+std::string SvgOf(const std::string& body) { return R"(<svg xmlns="http://www.w3.org/2000/svg">)" + body + "</svg>"; }
+
+void ExpectTooMuch(const std::string& bytes, const std::string& message) {
+  const auto plan = DecodePlan(bytes);
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted) << plan.status();
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr(message));
+}
+
+TEST(VectorPlans, ThatWouldHaveMoreThanAMillionWallsAreRefused) {
+  std::string crossing;  // 1,001 lines across 1,001 others
+  for (int i = 0; i <= 1000; ++i) crossing += fmt::format("M{0} -1V1001M-1 {0}H1001", i);
+  ExpectTooMuch(SvgOf("<path d=\"" + crossing + "\"/>"), "cross so often");
+}
+
+TEST(VectorPlans, WhoseLinesLieOnOneSpotAreRefused) {
+  std::string spot = "M0 0H100V100H0Z";
+  std::mt19937 random(7);
+  for (int i = 0; i < 40'000; ++i) spot += fmt::format("M{} 50l{} 1e-3", 50 + 1e-7 * (random() % 1000), 1e-3);
+  ExpectTooMuch(SvgOf("<path d=\"" + spot + "\"/>"), "lie within");
+}
+
+// With a look at all pairs of its walls this would take an hour.
+TEST(VectorPlans, OfACampusAreRead) {
+  constexpr int kRooms = 150;  // in each of as many rows
+  std::string walls;
+  for (int row = 0; row < kRooms; ++row) {
+    walls += fmt::format("M0 {}H{}", 40 * row, 40 * kRooms);
+    for (int room = 0; room <= kRooms; ++room) walls += fmt::format("M{} {}v30", 40 * room, 40 * row);
+  }
+  const auto plan = DecodePlan(SvgOf("<path d=\"" + walls + "\"/>"),
+                               {.measure = PlanMeasure{.from = {0, 0}, .to = {40, 0}, .metres = 4}});
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_EQ(plan->graph.walls.size(), 2u * kRooms * kRooms + kRooms);
+  EXPECT_EQ(plan->graph.doors.size(), (kRooms + 1u) * (kRooms - 1u));
+}
+
 TEST(VectorPlans, BecomePlanarWithDoorsAndRooms) {
   std::string svg = R"(<svg xmlns="http://www.w3.org/2000/svg">)";
   svg += R"(<rect x="0" y="0" width="400" height="200"/>)";

@@ -8,7 +8,7 @@ import { boundsOfLines, linesOfPlan, type Plan } from '../../scene/plans';
 const POLL_MS = 60_000;
 const AGAIN_MS = 10_000;
 
-async function wallsOf({ name, level }: PriorMap): Promise<Plan> {
+export async function wallsOf({ name, level }: PriorMap): Promise<Plan> {
   const response = await fetch(`/v1/${name}/files/walls.geojson`);
   if (!response.ok) throw await errorOfResponse(response);
   const lines = linesOfPlan(await response.json());

@@ -4,14 +4,14 @@ import { useState } from 'react';
 import { priorMaps } from '../../api/clients';
 import { idOf } from '../../api/names';
 import { addressOf, Link, navigate } from '../../app/router';
-import type { PriorMap } from '../../gen/enfilade/v1/prior_map_pb';
+import { PriorMap_State, type PriorMap } from '../../gen/enfilade/v1/prior_map_pb';
 import { useLive } from '../../live/context';
 import { plansKey } from '../../live/plans';
 import { refusalOf } from '../../ui/Sending';
-import { answerOf, isPicture, mayActivate, maySuspend, type Answer } from './plans';
+import { answerOf, isAligned, isPicture, mayActivate, maySuspend, type Answer } from './plans';
 
 // A second button, so that nothing is deleted by one click.
-function Delete({ title, busy, remove }: { title: string; busy: boolean; remove: () => void }) {
+function Delete({ title, isInUse, busy, remove }: { title: string; isInUse: boolean; busy: boolean; remove: () => void }) {
   const [isAsking, setAsking] = useState(false);
   if (!isAsking) {
     return (
@@ -22,7 +22,7 @@ function Delete({ title, busy, remove }: { title: string; busy: boolean; remove:
   }
   return (
     <span className="plan-question" role="group" aria-label={`Delete ${title}?`}>
-      Delete “{title}” and its file?
+      {isInUse ? `“${title}” is in use: maps that only it places lose their place. ` : ''}Delete “{title}” and its file?
       <button className="button" autoFocus onClick={() => setAsking(false)}>
         Keep it
       </button>
@@ -33,13 +33,13 @@ function Delete({ title, busy, remove }: { title: string; busy: boolean; remove:
   );
 }
 
-type Act = 'align' | 'activate' | 'suspend' | 'delete';
+type Act = 'align' | 'again' | 'activate' | 'suspend' | 'delete';
 
-async function act(what: Act, { name, etag }: PriorMap): Promise<Answer | undefined> {
-  if (what === 'align') return answerOf((await priorMaps.alignPriorMap({ name, etag })).priorMap!);
+async function act(what: Act, { name, etag, state }: PriorMap): Promise<Answer | undefined> {
+  if (what === 'align' || what === 'again') return answerOf((await priorMaps.alignPriorMap({ name, etag, fromLast: what === 'again' })).priorMap!);
   if (what === 'activate') await priorMaps.activatePriorMap({ name, etag });
   else if (what === 'suspend') await priorMaps.suspendPriorMap({ name, etag });
-  else await priorMaps.deletePriorMap({ name, etag });
+  else await priorMaps.deletePriorMap({ name, etag, force: state === PriorMap_State.ACTIVE });
   return undefined;
 }
 
@@ -57,12 +57,25 @@ export function Actions({ plan }: { plan: PriorMap }) {
   return (
     <>
       <div className="plan-actions" role="group" aria-label="Actions">
-        <button className="button primary" disabled={isPending} onClick={() => mutate('align')}>
+        {plan.alignment && (
+          <button className="button primary" disabled={isPending} title="Begin where it was placed last, and do not look elsewhere" onClick={() => mutate('again')}>
+            Align again
+          </button>
+        )}
+        <button className={plan.alignment ? 'button' : 'button primary'} disabled={isPending} onClick={() => mutate('align')}>
           Align
         </button>
         {isPicture(plan) && (
           <Link className="button" href={addressOf(live.id, 'plans', [idOf(plan.name), 'points'])}>
             Align by points
+          </Link>
+        )}
+        <Link className="button" href={addressOf(live.id, 'plans', [idOf(plan.name), 'walls'])}>
+          Correct walls
+        </Link>
+        {isAligned(plan) && (
+          <Link className="button" href={addressOf(live.id, 'plans', [idOf(plan.name), 'compare'])}>
+            Before and after
           </Link>
         )}
         <button className="button" disabled={isPending || !mayActivate(plan)} onClick={() => mutate('activate')}>
@@ -71,9 +84,9 @@ export function Actions({ plan }: { plan: PriorMap }) {
         <button className="button" disabled={isPending || !maySuspend(plan)} onClick={() => mutate('suspend')}>
           Suspend
         </button>
-        <Delete title={plan.displayName} busy={isPending} remove={() => mutate('delete')} />
+        <Delete title={plan.displayName} isInUse={plan.state === PriorMap_State.ACTIVE} busy={isPending} remove={() => mutate('delete')} />
       </div>
-      {isPending && variables === 'align' && <p role="status">Looking for the plan in the maps of its level …</p>}
+      {isPending && (variables === 'align' || variables === 'again') && <p role="status">Looking for the plan in the maps of its level …</p>}
       {error && <p className="refusal" role="alert">{refusalOf(error)}</p>}
       {data && <p className={data.isAccepted ? undefined : 'refusal'} role="status">{data.text}</p>}
     </>

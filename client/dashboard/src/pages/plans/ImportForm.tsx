@@ -6,11 +6,13 @@ import type { Progress } from '../../api/upload';
 import { addressOf, Link } from '../../app/router';
 import { useLevel } from '../../app/selection';
 import type { PriorMap } from '../../gen/enfilade/v1/prior_map_pb';
+import type { Point } from '../../scene/camera';
 import { useLive } from '../../live/context';
 import { plansKey } from '../../live/plans';
 import { refusalOf, Sending } from '../../ui/Sending';
 import { UploadResult } from '../../ui/UploadResult';
-import { hasLayers, hasPages, importPlan, lacking } from './importing';
+import { hasLayers, hasPages, importPlan, isShown, lacking } from './importing';
+import { Measure } from './Measure';
 import { elementsText } from './plans';
 
 type State =
@@ -37,6 +39,8 @@ export function ImportForm() {
   const [level, setLevel] = useState(String(shownLevel ?? 0));
   const [page, setPage] = useState('');
   const [layers, setLayers] = useState('');
+  const [measure, setMeasure] = useState<Point[]>([]);
+  const [metres, setMetres] = useState('');
   const [state, setState] = useState<State>({ kind: 'idle' });
   const running = useRef<AbortController>(undefined);
   // Who leaves the page cancels.
@@ -44,7 +48,7 @@ export function ImportForm() {
 
   const onSubmit = async (event: FormEvent) => {
     event.preventDefault();
-    const what = { file, title, level, page, layers };
+    const what = { file, title, level, page, layers, measure, metres };
     const why = lacking(what);
     if (why !== undefined) return setState({ kind: 'refused', text: why });
     const abort = new AbortController();
@@ -64,7 +68,7 @@ export function ImportForm() {
       <fieldset disabled={isSending}>
         <label>
           File
-          <input type="file" accept=".png,.jpg,.jpeg,.pgm,.pdf,.svg,.dxf,.geojson,.json,.yaml,.yml" onChange={(event) => setFile(event.target.files?.[0])} />
+          <input type="file" accept=".png,.jpg,.jpeg,.pgm,.pdf,.svg,.dxf,.geojson,.json,.yaml,.yml" onChange={(event) => { setFile(event.target.files?.[0]); setMeasure([]); }} />
         </label>
         <label>
           Name
@@ -86,6 +90,7 @@ export function ImportForm() {
             <input className="field" placeholder="all, or A-WALL*, A-DOOR" value={layers} onChange={(event) => setLayers(event.target.value)} />
           </label>
         )}
+        {file && isShown(file) && <Measure file={file} points={measure} show={setMeasure} metres={metres} setMetres={setMetres} />}
       </fieldset>
       {isSending ? <Sending progress={state.progress} cancel={() => state.abort.abort()} /> : <button className="button primary">Import</button>}
       {state.kind === 'refused' && <p className="refusal" role="alert">{state.text}</p>}

@@ -20,7 +20,7 @@ import { Icon } from '../../ui/Icon';
 import { refusalOf } from '../../ui/Sending';
 import { Failed, Loading } from '../../ui/States';
 import { Readout, type ReadoutHandle } from '../campus/Readout';
-import { changed, shownBefore, toMessages, type Draft, type Pair } from './pairs';
+import { changed, residualsOf, shownBefore, toMessages, type Draft, type Pair } from './pairs';
 import { answerOf } from './plans';
 import { Sheet } from './Sheet';
 
@@ -73,8 +73,10 @@ function Panes({ plan, sheet }: { plan: PriorMap; sheet: string }) {
     setHint(inside ? '' : 'There is no map at this place.');
     if (map !== undefined && inside) change({ place: { map, x: inside.x, y: inside.y } });
   };
-  // Of the pairs as they are, if these were aligned.
-  const residuals = align.data?.pairs === draft.pairs ? align.data.residuals : [];
+  // Of the plan as it was aligned with these pairs; else of the pairs among each other.
+  const isAligned = align.data?.pairs === draft.pairs && align.data.residuals.length > 0;
+  const placed = draft.pairs.map(({ place }) => inWorld(live, place));
+  const residuals = isAligned ? align.data!.residuals : placed.every((p) => p !== undefined) ? residualsOf(draft.pairs.map((pair) => pair.sheet), placed) : [];
   return (
     <div className="plan-pairs">
       <Sheet src={sheet} points={draft.pairs.map((pair) => pair.sheet)} chosen={draft.sheet} choose={(point) => change({ sheet: point })} />
@@ -84,6 +86,7 @@ function Panes({ plan, sheet }: { plan: PriorMap; sheet: string }) {
       <aside className="panel" aria-label="Details">
         <h1>Points of {plan.displayName}</h1>
         <p className="sub">Click the same point on the sheet and in a map. Two pairs tell the place; four that are far apart also tell whether the plan is stretched.</p>
+        {residuals.length > 0 && <p className="sub">{isAligned ? 'Off the plan as it is aligned:' : 'Off the place that fits all pairs best:'}</p>}
         <ol aria-label="Pairs">
           {draft.pairs.map((pair, i) => (
             <Row key={i} pair={pair} index={i} residual={residuals[i]} remove={() => change({ remove: i })} />

@@ -6,7 +6,7 @@ import { Fragment, useState, type ReactNode } from 'react';
 import { problemOf } from '../../api/errors';
 import { idOf } from '../../api/names';
 import { addressOf, Link } from '../../app/router';
-import type { PriorAlignment, PriorMap } from '../../gen/enfilade/v1/prior_map_pb';
+import { PriorMap_State, type PriorAlignment, type PriorMap } from '../../gen/enfilade/v1/prior_map_pb';
 import { useLive } from '../../live/context';
 import { titleOf } from '../../live/objects';
 import { isPlaced } from '../../live/plans';
@@ -40,10 +40,20 @@ function MapLinks({ maps }: { maps: string[] }) {
   ));
 }
 
+// A plan that was corrected since it was aligned has none.
+function Picture({ plan }: { plan: PriorMap }) {
+  const { data } = useQuery({ queryKey: ['files', plan.name, plan.etag], staleTime: Infinity, queryFn: () => filesAt(`/v1/${plan.name}/files`) });
+  if (!data?.some(({ name }) => name === 'fit.png')) return null;
+  return (
+    <img className="card plan-picture" src={`${fileOf(plan.name, 'fit.png', 'picture')}&etag=${encodeURIComponent(plan.etag)}`}
+      alt="The maps, the plan as it was placed, and corrected: walls that were seen green, others blue, contradicted ones red" />
+  );
+}
+
 function Alignment({ alignment, plan }: { alignment: PriorAlignment; plan: PriorMap }) {
   return (
     <>
-      <h2>Alignment</h2>
+      <h2>{plan.state === PriorMap_State.NEW ? 'Alignment before it was corrected' : 'Alignment'}</h2>
       <Facts facts={[
         ['Model', `${modelName[alignment.model]}${alignment.mirrored ? ', mirrored' : ''}`],
         ['Explained', `${share(alignment.explained)} of the walls that robots have seen lie on walls of the plan`],
@@ -56,8 +66,7 @@ function Alignment({ alignment, plan }: { alignment: PriorAlignment; plan: Prior
           ? [['Joined by the plan alone', <MapLinks key="joined" maps={alignment.joinedMaps} />] as [string, ReactNode]] : []),
         ['Made', alignment.alignTime ? dateTime(timestampMs(alignment.alignTime)) : '–'],
       ]} />
-      <img className="card plan-picture" src={`${fileOf(plan.name, 'fit.png', 'picture')}&etag=${encodeURIComponent(plan.etag)}`}
-        alt="The maps, the plan as it was placed, and corrected: walls that were seen green, others blue, contradicted ones red" />
+      <Picture plan={plan} />
     </>
   );
 }
@@ -101,7 +110,7 @@ export function PlanPage({ plan }: { plan: PriorMap | undefined }) {
         ['Level', <Fragment key="level">{levelName(plan.level)}{isPlaced(plan) && <> · <Link href={addressOf(live.id, 'campus', [], { l: String(plan.level) })}>Show on the campus</Link></>}</Fragment>],
         ['File', plan.fileName],
         ['Found in it', elementsText(plan.elements)],
-        ['Scale', plan.elements && plan.elements.metresPerUnit > 0 ? `${plan.elements.metresPerUnit.toPrecision(4)} m per unit` : 'not told by the file'],
+        ['Scale', plan.elements && plan.elements.metresPerUnit > 0 ? `${plan.elements.metresPerUnit.toPrecision(4)} m per unit` : 'unknown: measure a distance under “Correct walls”'],
         ['Imported', plan.createTime ? dateTime(timestampMs(plan.createTime)) : '–'],
       ]} />
       {plan.warnings.length > 0 && (

@@ -9,10 +9,12 @@ import { Badge } from '../../ui/Badge';
 import { DataTable, type Column } from '../../ui/DataTable';
 import { byName, levelName } from '../../ui/format';
 import { Empty, Failed, Loading } from '../../ui/States';
+import { ComparePage } from './ComparePage';
+import { EditPage } from './editing/EditPage';
 import { ImportForm } from './ImportForm';
 import { PairsPage } from './PairsPage';
 import { PlanPage } from './PlanPage';
-import { isPicture, modelName, share, stateOfPlan } from './plans';
+import { isAligned, isPicture, modelName, share, stateOfPlan } from './plans';
 
 const POLL_MS = 10_000;
 
@@ -62,7 +64,10 @@ export default function PlansPage() {
   if (!data) return <Loading />;
   if (rest[0] !== undefined) {
     const plan = data.find(({ name }) => idOf(name) === rest[0]);
-    return plan && rest[1] === 'points' && isPicture(plan) ? <PairsPage key={rest[0]} plan={plan} /> : <PlanPage key={rest[0]} plan={plan} />;
+    if (plan && rest[1] === 'walls') return <EditPage key={rest[0]} plan={plan} />;
+    if (plan && rest[1] === 'compare' && isAligned(plan)) return <ComparePage key={rest[0]} plan={plan} />;
+    if (plan && rest[1] === 'points' && isPicture(plan)) return <PairsPage key={rest[0]} plan={plan} />;
+    return <PlanPage key={rest[0]} plan={plan} />;
   }
   return (
     <div className="page">

@@ -2,7 +2,7 @@
 import { create } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 import { PriorAlignmentSchema } from '../../gen/enfilade/v1/prior_map_pb';
-import { changed, inPicture, onSheet, shownBefore, toMessages, type Draft } from './pairs';
+import { changed, inPicture, onSheet, residualsOf, shownBefore, toMessages, type Draft } from './pairs';
 
 const place = (x: number) => ({ map: 'sites/s/maps/m', x, y: 1 });
 
@@ -28,6 +28,22 @@ test('begins with the pairs of the last alignment, and sends them as they were',
   const alignment = create(PriorAlignmentSchema, { pairs: [...pairs, { sheetX: 5, sheetY: 6, map: '', xM: 7, yM: 8 }] });
   expect(toMessages(shownBefore(alignment))).toEqual(pairs);
   expect(shownBefore(undefined)).toEqual([]);
+});
+
+test('tells at once how far pairs are off each other', () => {
+  const sheets = [{ x: 0, y: 0 }, { x: 100, y: 0 }, { x: 100, y: 60 }, { x: 0, y: 60 }];
+  const [c, s] = [0.05 * Math.cos(0.7), 0.05 * Math.sin(0.7)];
+  for (const side of [-1, 1]) {
+    const worlds = sheets.map(({ x, y }) => ({ x: c * x - s * side * y + 3, y: s * x + c * side * y - 4 }));
+    for (const one of residualsOf(sheets, worlds)) expect(one).toBeCloseTo(0, 9);
+    const wrong = worlds.map((p, i) => (i === 2 ? { x: p.x + 1, y: p.y } : p));
+    const residuals = residualsOf(sheets, wrong);
+    expect(residuals.indexOf(Math.max(...residuals))).toBe(2);
+    expect(residuals[2]).toBeGreaterThan(0.2);
+    expect(residuals[2]).toBeLessThan(1);
+  }
+  expect(residualsOf(sheets.slice(0, 2), sheets.slice(0, 2)), 'two always fit').toEqual([]);
+  expect(residualsOf([sheets[0]!, sheets[0]!, sheets[0]!], sheets.slice(0, 3)).every(Number.isFinite)).toBe(true);
 });
 
 test('the origin of the sheet is the centre of the top left pixel', () => {

@@ -36,6 +36,30 @@ export const shownBefore = (alignment: PriorAlignment | undefined): Pair[] =>
 
 export const toMessages = (pairs: Pair[]) => pairs.map(({ sheet, place }) => ({ sheetX: sheet.x, sheetY: sheet.y, map: place.map, xM: place.x, yM: place.y }));
 
+// m, how far each pair is off the place that fits all best: turned, shifted and scaled, straight or turned over (Umeyama).
+// Of two pairs and fewer there is nothing to tell. `worlds`: the places in the world.
+export function residualsOf(sheets: Point[], worlds: Point[]): number[] {
+  const n = sheets.length;
+  if (n < 3) return [];
+  const mean = (points: Point[]) => ({ x: points.reduce((sum, { x }) => sum + x, 0) / n, y: points.reduce((sum, { y }) => sum + y, 0) / n });
+  const [s0, w0] = [mean(sheets), mean(worlds)];
+  const fits = [-1, 1].map((side) => {
+    // As complex numbers: world = a * sheet, of the sheet whose y is turned by `side`.
+    let [re, im, square] = [0, 0, 0];
+    const turned = sheets.map(({ x, y }) => ({ x: x - s0.x, y: side * (y - s0.y) }));
+    turned.forEach(({ x, y }, i) => {
+      const [u, v] = [worlds[i]!.x - w0.x, worlds[i]!.y - w0.y];
+      re += x * u + y * v;
+      im += x * v - y * u;
+      square += x * x + y * y;
+    });
+    const [a, b] = square > 0 ? [re / square, im / square] : [0, 0];
+    return turned.map(({ x, y }, i) => Math.hypot(a * x - b * y - (worlds[i]!.x - w0.x), b * x + a * y - (worlds[i]!.y - w0.y)));
+  });
+  const sum = (all: number[]) => all.reduce((total, one) => total + one * one, 0);
+  return sum(fits[0]!) <= sum(fits[1]!) ? fits[0]! : fits[1]!;
+}
+
 interface Picture {
   naturalWidth: number;
   naturalHeight: number;

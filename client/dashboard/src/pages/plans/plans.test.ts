@@ -4,7 +4,7 @@ import { expect, test } from 'vitest';
 import { PriorMap_State, PriorMapElementsSchema, PriorMapSchema } from '../../gen/enfilade/v1/prior_map_pb';
 import { isPlaced } from '../../live/plans';
 import { shownPlans } from '../campus/planWalls';
-import { answerOf, elementsText, fileOf, isPicture, mayActivate, maySuspend, share, stateOfPlan } from './plans';
+import { answerOf, elementsText, fileOf, isAligned, isPicture, mayActivate, maySuspend, share, stateOfPlan } from './plans';
 
 const plan = (init: MessageInitShape<typeof PriorMapSchema>) => create(PriorMapSchema, init);
 const aligned = { explained: 0.6 };
@@ -12,7 +12,8 @@ const states = [PriorMap_State.NEW, PriorMap_State.PROPOSED, PriorMap_State.ACTI
 
 test('offers only what the server allows in a state', () => {
   expect(states.filter((state) => mayActivate(plan({ state, alignment: aligned })))).toEqual([PriorMap_State.PROPOSED, PriorMap_State.SUSPENDED]);
-  expect(states.filter((state) => maySuspend(plan({ state, alignment: aligned })))).toEqual(states.filter((state) => state !== PriorMap_State.SUSPENDED));
+  expect(states.filter((state) => maySuspend(plan({ state, alignment: aligned })))).toEqual([PriorMap_State.PROPOSED, PriorMap_State.ACTIVE]);
+  expect(states.filter((state) => isAligned(plan({ state, alignment: aligned })))).toEqual([PriorMap_State.PROPOSED, PriorMap_State.ACTIVE, PriorMap_State.SUSPENDED]);
   for (const state of states) expect([mayActivate(plan({ state })), maySuspend(plan({ state }))], stateOfPlan[state][1]).toEqual([false, false]);
 });
 

@@ -6,7 +6,7 @@ import { count } from '../../ui/format';
 
 export const stateOfPlan: Record<PriorMap_State, [Tone, string]> = {
   [PriorMap_State.UNSPECIFIED]: ['quiet', 'Unknown'],
-  [PriorMap_State.NEW]: ['quiet', 'Not aligned yet'],
+  [PriorMap_State.NEW]: ['quiet', 'Not aligned'],
   [PriorMap_State.PROPOSED]: ['warn', 'Proposed: look whether it is right'],
   [PriorMap_State.ACTIVE]: ['good', 'Active'],
   [PriorMap_State.DIVERGED]: ['bad', 'Does not fit'],
@@ -32,7 +32,12 @@ export const elementsText = (elements: PriorMapElements | undefined) =>
 export const mayActivate = ({ state, alignment }: PriorMap) =>
   alignment !== undefined && (state === PriorMap_State.PROPOSED || state === PriorMap_State.SUSPENDED);
 
-export const maySuspend = ({ state, alignment }: PriorMap) => alignment !== undefined && state !== PriorMap_State.SUSPENDED;
+export const maySuspend = ({ state, alignment }: PriorMap) =>
+  alignment !== undefined && (state === PriorMap_State.PROPOSED || state === PriorMap_State.ACTIVE);
+
+// Whether an alignment holds: without, there is nothing to compare or to draw.
+export const isAligned = ({ state, alignment }: PriorMap) =>
+  alignment !== undefined && state !== PriorMap_State.NEW && state !== PriorMap_State.DIVERGED;
 
 export interface Answer {
   isAccepted: boolean;

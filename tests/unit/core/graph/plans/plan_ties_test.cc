@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "core/graph/plans/shared_walls.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
@@ -33,6 +34,40 @@ PlanTies Sample() {
 TEST(PlanTiesTest, AreReadAsTheyWereWritten) {
   ASSERT_OK_AND_ASSIGN(const PlanTies read, DecodePlanTies(EncodePlanTies(Sample())));
   EXPECT_EQ(read, Sample());
+}
+
+TEST(PlanTiesTest, WhatWasSeenInOtherMapsIsDropped) {
+  PlanTies ties = Sample();
+  ties.KeepMaps({M("a"), M("c")});
+  EXPECT_TRUE(ties.HasSeen(M("a")));
+  EXPECT_FALSE(ties.HasSeen(M("b")));
+  EXPECT_EQ(ties.sightings, Sample().sightings);
+  ties.KeepMaps({M("b")});
+  EXPECT_TRUE(ties.sightings.empty());
+  EXPECT_TRUE(ties.maps.empty());
+}
+
+PlanTies Rooms(int first, int count) {
+  PlanTies ties;
+  for (int i = first; i <= first + count; ++i) {
+    const int corner = static_cast<int>(ties.corners.size());
+    ties.corners.insert(ties.corners.end(), {{5.0 * i, 0.0}, {5.0 * i, 4.0}});
+    ties.struts.push_back({corner, corner + 1, i});
+    if (i == first) continue;
+    ties.struts.push_back({corner - 2, corner, 100 + i});
+    ties.struts.push_back({corner - 1, corner + 1, 200 + i});
+  }
+  return ties;
+}
+
+TEST(ShareOfWallsTest, IsThatOfTheShorterPlan) {
+  EXPECT_EQ(ShareOfWalls(Rooms(0, 4), Rooms(0, 4)), 1.0);
+  EXPECT_EQ(ShareOfWalls(Rooms(1, 2), Rooms(0, 4)), 1.0);
+  EXPECT_EQ(ShareOfWalls(Rooms(0, 4), Rooms(1, 2)), 1.0);
+  EXPECT_GT(ShareOfWalls(Rooms(0, 4), Rooms(2, 4)), 0.4);
+  EXPECT_LT(ShareOfWalls(Rooms(0, 4), Rooms(4, 4)), 0.2) << "they have one wall in common";
+  EXPECT_EQ(ShareOfWalls(Rooms(0, 4), Rooms(10, 4)), 0.0);
+  EXPECT_EQ(ShareOfWalls(Rooms(0, 4), PlanTies()), 0.0);
 }
 
 TEST(PlanTiesTest, EveryCutIsNoticed) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>
@@ -253,6 +254,51 @@ TEST(SolveWithPlansTest, LinkPointsRefuteAPlanThatIsConsistentlyWrong) {
   ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
   const double moved = std::abs(solution.map_poses.at(Row::Map(5)).pose.x - without.map_poses.at(Row::Map(5)).pose.x);
   EXPECT_TRUE(!solution.plans[0].contradiction.empty() || moved < 0.05) << moved;
+}
+
+// What T_world_robot has of its covariance, by ExplainPlans.
+Eigen::Matrix3d SumOfShares(const GlobalPose& pose) {
+  Eigen::Matrix3d sum = pose.base_share + pose.robot_share;
+  for (const PoseHop& hop : pose.hops) sum += hop.share;
+  for (const PlanHop& hop : pose.plan_hops) sum += hop.share;
+  return sum;
+}
+
+TEST(SolveWithPlansTest, EachWallHasItsShareOfAPose) {
+  Row row(2, 0.1, 5);
+  row.SeeAll(0);
+  row.SeeAll(1);
+  row.ties().sightings.back().across_sigma = 3.0;  // hardly seen
+  const GraphSnapshot graph = row.Graph({});
+  ASSERT_OK_AND_ASSIGN(SolvedGraph solution, OptimizeGraph(graph));
+  EXPECT_THAT(solution.plan_shares, IsEmpty()) << "nobody has asked";
+  const WorldPoses poses(Apply(graph, ChangesOf(graph, std::move(solution), graph.version() + 1)).value());
+  const Eigen::Matrix3d of_robot = Eigen::Vector3d(0.01, 0.04, 0.0001).asDiagonal();
+  ASSERT_OK_AND_ASSIGN(std::optional<GlobalPose> pose, poses.Find(Row::Map(1), {{2.0, -1.0, 0.4}, of_robot}));
+  ASSERT_TRUE(pose.has_value());
+  const Eigen::Matrix3d whole_base = pose->base_share;
+  ASSERT_OK(ExplainPlans(poses.graph(), *pose));
+  std::vector<int> walls;
+  for (const PlanHop& hop : pose->plan_hops) {
+    EXPECT_EQ(hop.plan, PriorMapId("p"));
+    walls.push_back(hop.wall);
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hop.share).eigenvalues()(0), -1e-9);
+  }
+  EXPECT_THAT(walls, ElementsAre(-1, 1, 2, row.Below(1), row.Below(1) + 1));
+  EXPECT_LT((SumOfShares(*pose) - pose->T_world_robot.covariance).norm(), 1e-9);
+  // Only the plan joins the map, so nearly all of its covariance comes from there: the rest is what SLAM bends maps.
+  EXPECT_LT(pose->base_share.trace(), 0.5 * whole_base.trace());
+  // The map has two walls that tell where it is across the row; of these the one that is hardly seen counts less.
+  EXPECT_LT(pose->plan_hops[4].share.trace(), pose->plan_hops[3].share.trace());
+}
+
+TEST(SolveWithPlansTest, WithoutPlansNothingIsExplained) {
+  Row row(2, 0.1, 5);
+  const std::vector<LinkPoint> doors = {row.Door(0, 0.05, 0.02)};
+  const WorldPoses poses(row.WithoutPlan(doors));
+  ASSERT_OK_AND_ASSIGN(std::optional<GlobalPose> pose, poses.Find(Row::Map(1)));
+  ASSERT_OK(ExplainPlans(poses.graph(), *pose));
+  EXPECT_THAT(pose->plan_hops, IsEmpty());
 }
 
 TEST(SolveWithPlansTest, InACorridorAMapIsNotPosed) {

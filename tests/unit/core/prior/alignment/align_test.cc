@@ -135,6 +135,49 @@ TEST(AlignByPairsTest, WallsTellWhetherAPlanIsMirrored) {
   }
 }
 
+// Of which a robot has seen two parallel walls.
+TEST(AlignByPairsTest, ABareCorridorStaysOpenAlongIt) {
+  PlanGraph plan = DrawnBuilding();
+  plan.metres_per_unit = 0.5;
+  const PlanTransform truth = Turned(0.7, 0.05, false);
+  const MapEvidence evidence = EvidenceOf(MapOf(
+      plan, truth, [](const Eigen::Vector2d& p) { return p.y() > 198 && p.y() < 252 && p.x() > 100 && p.x() < 600; }));
+  const Eigen::Vector2d along = truth.linear.col(0).normalized();
+  for (const double off : {-0.3, 0.0, 0.3}) {
+    std::vector<ControlPair> pairs;
+    for (const Eigen::Vector2d& point : {Eigen::Vector2d(100, 200), {600, 250}}) {
+      pairs.push_back({point, truth(point) + off * along});
+    }
+    const auto alignment = prior::AlignByPairs(plan, evidence, pairs, {});
+    ASSERT_TRUE(alignment.ok()) << alignment.status();
+    EXPECT_THAT(alignment->reason, testing::HasSubstr("the walls are parallel"));
+    EXPECT_THAT(alignment->reason, testing::HasSubstr("0.1 times as large as its file says"));
+    const Eigen::Vector2d middle(350, 225);
+    const Eigen::Vector2d error = alignment->T_map_sheet(middle) - truth(middle);
+    EXPECT_NEAR(error.dot(along), off, 0.1) << "where the clicks put it";
+    EXPECT_LT(std::abs(error.dot(truth.linear.col(1).normalized())), 0.05);
+  }
+  EXPECT_FALSE(prior::AlignByItself(plan, evidence, {}).accepted);
+}
+
+// On a line of half a metre's breadth: nothing says from the pairs alone whether the plan is mirrored.
+TEST(AlignByPairsTest, PairsOnOneLineAreEnoughIfTheWallsDecide) {
+  const PlanGraph plan = DrawnBuilding();
+  for (const bool mirrored : {false, true}) {
+    const PlanTransform truth = Turned(0.7, 0.05, mirrored);
+    const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, IsLeft));
+    std::vector<ControlPair> pairs;
+    for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 200), {160, 205}, {320, 196}, {520, 204}}) {
+      pairs.push_back({point, truth(point)});
+    }
+    const auto alignment = prior::AlignByPairs(plan, evidence, pairs, {});
+    ASSERT_TRUE(alignment.ok()) << alignment.status();
+    EXPECT_EQ(alignment->T_map_sheet.mirrored(), mirrored);
+    EXPECT_LT(LargestError(plan, alignment->T_map_sheet, truth), 0.2);
+    EXPECT_THAT(alignment->reason, testing::Not(testing::HasSubstr("parallel")));
+  }
+}
+
 TEST(FitPairsTest, TheWrongOneOfFiveIsNamedAndLeftOut) {
   const PlanTransform truth = Turned(0.7, 0.05, false);
   std::vector<ControlPair> pairs;
@@ -195,6 +238,7 @@ TEST(FitPairsTest, PairsThatDetermineNothingAreRefused) {
   EXPECT_THAT(message({{{0, 0}, {0, 0}}}), testing::HasSubstr("1 pairs of points, at least 2"));
   EXPECT_THAT(message({{{0, 0}, {0, 0}}, {{0, 0}, {9, 0}}}), testing::HasSubstr("pairs 1 and 2 show the same point"));
   EXPECT_THAT(message({{{0, 0}, {0, 0}}, {{20, 0}, {1, 0}}}), testing::HasSubstr("at most 1.0 m"));
+  EXPECT_THAT(message(std::vector<ControlPair>(1001)), testing::HasSubstr("1001 pairs of points, at most 1000"));
   EXPECT_THAT(message({{{0, 0}, {0, 0}}, {{20, 0}, {std::nan(""), 0}}}), testing::HasSubstr("pair 2"));
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "tests/support/plans/drawn_building.h"
+#include "tests/support/plans/random_building.h"
 
 namespace enfilade::prior {
 namespace {
@@ -82,6 +83,55 @@ TEST(FitPlan, ModesDifferInWhatFollowsTheSeenWalls) {
   EXPECT_LT(errors[FitMode::kAffine], 0.25 * errors[FitMode::kSimilarity]);
   EXPECT_LT(errors[FitMode::kFull], 0.25 * errors[FitMode::kSimilarity]);
   EXPECT_GT(errors[FitMode::kAcg], errors[FitMode::kFull]);
+}
+
+struct Shown {
+  const char* name;
+  PlanGraph plan;
+  double scale = 1;  // of what is shown
+  bool accepted = false;
+};
+
+std::vector<ControlPair> PairsOf(double scale) {
+  std::vector<ControlPair> pairs;
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {500, 20}, {30, 260}}) {
+    pairs.push_back({point, Turned(0.3)(scale * point)});
+  }
+  return pairs;
+}
+
+// Neither of another building, nor of another floor of the same, nor ten times too large or too small.
+TEST(FitPlan, RefusesPairsOnAPlanThatIsNotOfTheMap) {
+  for (unsigned seed = 60; seed < 64; ++seed) {
+    const BuildingShell shell = RandomShell(seed);
+    const PlanGraph right = RandomBuilding(seed, shell);
+    const std::vector<grid::OccupancyGrid> maps = {Seen(right, {}, IsWest)};
+    for (const Shown& shown : {Shown{"right", right, 1, true},
+                               {"floor", RandomBuilding(seed + 100, shell)},
+                               {"building", RandomBuilding(seed + 200, RandomShell(seed + 200))},
+                               {"larger", right, 10},
+                               {"smaller", right, 0.1}}) {
+      const auto fit = FitPlan(shown.plan, maps, {.pairs = PairsOf(shown.scale)});
+      ASSERT_TRUE(fit.ok()) << fit.status();
+      EXPECT_EQ(fit->alignment.accepted, shown.accepted) << shown.name << " " << seed << ": " << fit->alignment.reason;
+      EXPECT_EQ(fit->corrected != nullptr, shown.accepted);
+      EXPECT_EQ(fit->maps[0].T_first_map.has_value(), shown.accepted);
+      if (!shown.accepted) EXPECT_THAT(fit->alignment.reason, testing::HasSubstr("at that place"));
+    }
+  }
+}
+
+// The map is that of the whole building, and the plan one of a wing.
+TEST(FitPlan, WhatThePlanDoesNotShowIsNoObjection) {
+  const PlanGraph building = DrawnBuilding();
+  PlanGraph wing = building;
+  std::erase_if(wing.walls, [&](const PlanWall& wall) {
+    return building.corners[static_cast<std::size_t>(wall.from)].point.x() > 320 ||
+           building.corners[static_cast<std::size_t>(wall.to)].point.x() > 320;
+  });
+  const auto fit = FitPlan(wing, {Seen(building, {}, [](const auto&) { return true; })}, {.pairs = PairsOf(1)});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_TRUE(fit->alignment.accepted) << fit->alignment.reason;
 }
 
 TEST(FitPlan, NamesAMapWithoutWalls) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "fmt/format.h"
 
@@ -70,6 +71,43 @@ TEST(GeoJsonPlan, ProjectsLongitudeAndLatitude) {
   EXPECT_LT(plan->corners[1].point.y(), plan->corners[0].point.y()) << "north is up in the sheet";
 }
 
+// A person has moved a wall, drawn another, and saved all by a program that writes null where there is no value, loses
+// members that it does not know, and has dropped a corner.
+TEST(GeoJsonPlan, ReadsWhatWasEdited) {
+  const std::string wall =
+      R"({{"type":"Feature","properties":{{"kind":{},"from":{},"to":{},"thickness":{},"confidence":null,"name":null}},
+          "geometry":{{"type":"LineString","coordinates":{}}}}})";
+  const std::string corner =
+      R"({{"type":"Feature","properties":{{"kind":"corner","from":null}},"geometry":{{"type":"Point","coordinates":{}}}}})";
+  const std::string text =
+      "{\"type\":\"FeatureCollection\",\"name\":\"plan\",\"features\":[" + fmt::format(fmt::runtime(corner), "[0,0]") +
+      "," + fmt::format(fmt::runtime(corner), "[400,0]") + "," +
+      fmt::format(fmt::runtime(wall), "\"wall\"", 0, 1, 1.25, "[[0,0],[400,0]]") + "," +
+      fmt::format(fmt::runtime(wall), "\"wall\"", 1, 2, 2, "[[400,0],[400,300]]") + "," +
+      fmt::format(fmt::runtime(wall), "null", "null", "null", "null", "[[400,300],[0,300],[0,0]]") + "," +
+      fmt::format(fmt::runtime(wall), "\"wall\"", 0, 1, 3, "[[0,0],[410,0]]") + "]}";
+  const auto plan = ReadEditedPlan(text);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  ASSERT_EQ(plan->walls.size(), 5u);
+  EXPECT_EQ(plan->walls[0].to, 1);
+  EXPECT_EQ(plan->walls[0].thickness, 1.25);
+  const auto ends = [&](std::size_t i) {
+    return std::pair{plan->corners[static_cast<std::size_t>(plan->walls[i].from)].point,
+                     plan->corners[static_cast<std::size_t>(plan->walls[i].to)].point};
+  };
+  EXPECT_EQ(ends(1), (std::pair<Eigen::Vector2d, Eigen::Vector2d>{{400, 0}, {400, 300}}));
+  EXPECT_EQ(plan->walls[1].thickness, 2);
+  EXPECT_EQ(ends(3), (std::pair<Eigen::Vector2d, Eigen::Vector2d>{{0, 300}, {0, 0}}));
+  EXPECT_EQ(plan->walls[3].thickness, 0);
+  EXPECT_EQ(plan->walls[3].confidence, 1);
+  EXPECT_EQ(ends(4), (std::pair<Eigen::Vector2d, Eigen::Vector2d>{{0, 0}, {410, 0}})) << "its line was moved";
+  EXPECT_FALSE(plan->metres_per_unit.has_value());
+  EXPECT_FALSE(ReadGeoJsonPlan(text).ok()) << "nobody has said that it is in the sheet frame";
+  EXPECT_THAT(
+      std::string(ReadEditedPlan(Document(R"("frame":"metres",)", "LineString", "[[1,2],[3,4]]")).status().message()),
+      HasSubstr("expected sheet"));
+}
+
 struct Fault {
   const char* name;
   std::string text;
@@ -91,14 +129,38 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"NaN", Document("", "LineString", "[[11.5,NaN],[11.6,48]]"), "not a GeoJSON plan"},
         Fault{"NoNumber", Document("", "LineString", "[[\"a\",1],[2,3]]"), "feature 0: a position is not two numbers"},
         Fault{"Range", Document("", "LineString", "[[11,48],[200,48]]"), "longitude 200 and latitude 48"},
+        Fault{"RangeOfLatitude", Document("", "Polygon", "[[[11,48],[12,48],[12,-90],[11,48]]]"), "latitude -90"},
+        Fault{"Beyond", Document("", "LineString", "[[11,48],[12,1e400]]"), "not a GeoJSON plan"},
+        Fault{"BeyondAnyDrawing", Document(R"("frame":"metres",)", "LineString", "[[11,48],[12,1e300]]"),
+              "beyond 1e+12"},
+        Fault{"Nested", Document("", "LineString", std::string(300'000, '[') + std::string(300'000, ']')), "feature 0"},
+        Fault{"NestedMany",
+              Document(R"("frame":"metres",)", "MultiPolygon", std::string(300'000, '[') + std::string(300'000, ']')),
+              "feature 0"},
+        Fault{"ThicknessOfWords",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{},{"type":"Feature",
+                "properties":{"thickness":"wide"},"geometry":{"type":"LineString","coordinates":[[0,0],[1,0]]}}]})",
+              "feature 1: "},
+        Fault{"NameOfNumbers",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
+                "properties":{"name":7},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,0]]]}}]})",
+              "feature 0: "},
+        Fault{"CornerOfFractions",
+              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
+                "properties":{"kind":"wall","from":0.5,"to":1e300},"geometry":{"type":"LineString","coordinates":[]}}]})",
+              "feature 0: from or to"},
         Fault{"Frame", Document(R"("frame":"feet",)", "LineString", "[[1,2],[3,4]]"), "frame is \"feet\""},
         Fault{"SelfCrossing", Document(R"("frame":"metres",)", "Polygon", "[[[0,0],[4,4],[4,0],[0,4],[0,0]]]"),
-              "crosses itself"},
-        Fault{"Corner",
-              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
-                "properties":{"kind":"wall","from":0,"to":7},"geometry":{"type":"LineString","coordinates":[]}}]})",
-              "wall 0 joins corners 0 and 7, of 0"}),
+              "crosses itself"}),
     [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST(GeoJsonPlan, RefusesMoreThanAMillionWalls) {
+  std::string positions = "[0,0]";
+  for (int i = 0; i < 500'001; ++i) positions += ",[1,1],[0,0]";
+  const auto plan = ReadGeoJsonPlan(Document(R"("frame":"metres",)", "LineString", "[" + positions + "]"));
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("1000000 at most"));
+}
 
 }  // namespace
 }  // namespace enfilade::prior

@@ -96,6 +96,36 @@ TEST(DxfPlan, RefusesBlocksThatMultiply) {
   EXPECT_EQ(ReadDxfPlan(Dxf(insert, blocks)).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
+TEST(DxfPlan, RefusesBlocksThatHoldMuchButNoLines) {
+  std::string block = "0\nBLOCK\n2\nB\n", inserts;
+  for (int i = 0; i < 20'000; ++i) block += "0\nTEXT\n8\n0\n1\nx\n";
+  for (int i = 0; i < 20'000; ++i) inserts += "0\nINSERT\n8\n0\n2\nB\n";
+  const auto plan = ReadDxfPlan(Dxf(inserts, block + "0\nENDBLK\n"));
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("inserted blocks"));
+}
+
+TEST(DxfPlan, RefusesMoreThanAMillionLines) {
+  std::string block = "0\nBLOCK\n2\nB\n", inserts;
+  for (int i = 0; i < 20'000; ++i) block += DxfLine("0", i, 0, i, 1);
+  for (int i = 0; i < 51; ++i) inserts += "0\nINSERT\n8\n0\n2\nB\n";
+  const auto plan = ReadDxfPlan(Dxf(inserts, block + "0\nENDBLK\n"));
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("1000000 lines"));
+  std::string bulges = "0\nLWPOLYLINE\n8\n0\n70\n0\n";
+  for (int i = 0; i < 30'000; ++i) bulges += fmt::format("10\n{}\n20\n0\n42\n1\n", 1e9 * (i % 2));
+  EXPECT_EQ(ReadDxfPlan(Dxf(bulges)).status().code(), absl::StatusCode::kResourceExhausted);
+}
+
+TEST(DxfPlan, LeavesOutNumbersThatAreNone) {
+  const auto plan = ReadDxfPlan(Dxf("0\nLINE\n8\n0\n10\nnan\n20\ninf\n11\n3\n21\n1e999\n"));
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_EQ(WallLength(plan->graph), 3) << "they count as 0";
+  const auto far = ReadDxfPlan(Dxf(DxfLine("0", 0, 0, 1e300, 0)));
+  EXPECT_EQ(far.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(far.status().message()), HasSubstr("1e12"));
+}
+
 TEST(DxfPlan, NamesTheLineWhereAFileIsDamaged) {
   const auto truncated = ReadDxfPlan("0\nSECTION\n2\nENTITIES\n0\nLINE\nten\n5\n");
   EXPECT_EQ(truncated.status().code(), absl::StatusCode::kInvalidArgument);
@@ -165,9 +195,37 @@ TEST(SvgPlan, ExpandsNoEntities) {
   EXPECT_EQ(plan->graph.walls.size(), 1u);
 }
 
+TEST(SvgPlan, RefusesWhatUsesMultiply) {
+  std::string path, uses;
+  for (int i = 0; i < 20'000; ++i) path += "M0 0 ";  // no line at all
+  for (int i = 0; i < 20'000; ++i) uses += R"(<use href="#p"/>)";
+  const auto moves = ReadSvgPlan(Svg("<defs><path id=\"p\" d=\"" + path + "\"/></defs>" + uses));
+  EXPECT_EQ(moves.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(moves.status().message()), HasSubstr("SVG elements"));
+  std::string bomb = R"(<g id="u0"><line x1="0" y1="0" x2="1" y2="0"/></g>)";
+  for (int i = 0; i < 7; ++i) {  // 10^7 lines
+    bomb += fmt::format("<g id=\"u{}\">", i + 1);
+    for (int k = 0; k < 10; ++k) bomb += fmt::format("<use href=\"#u{}\"/>", i);
+    bomb += "</g>";
+  }
+  const auto lines = ReadSvgPlan(Svg("<defs>" + bomb + "</defs><use href=\"#u7\"/>"));
+  EXPECT_EQ(lines.status().code(), absl::StatusCode::kResourceExhausted) << lines.status();
+}
+
+TEST(SvgPlan, RefusesMoreThanAMillionLines) {
+  std::string points = "0 0";
+  for (int i = 0; i < 500'001; ++i) points += " 1 1 0 0";
+  const auto plan = ReadSvgPlan(Svg("<polyline points=\"" + points + "\"/>"));
+  EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("1000000 lines"));
+}
+
 TEST(SvgPlan, RefusesUsesWithinThemselvesAndDamagedFiles) {
   EXPECT_EQ(ReadSvgPlan(Svg(R"(<g id="g"><use href="#g"/></g>)")).status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ReadSvgPlan("<svg><g></svg>").status().code(), absl::StatusCode::kInvalidArgument);
+  std::string deep, closed;
+  for (int i = 0; i < 300'000; ++i) deep += "<g>", closed += "</g>";
+  EXPECT_EQ(ReadSvgPlan(Svg(deep + closed)).status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(ReadSvgPlan("<html/>").status().code(), absl::StatusCode::kInvalidArgument);
 }
 

@@ -46,28 +46,29 @@ struct Fault {
   const char* message;
 };
 
-class FaultyPlanGraph : public testing::TestWithParam<Fault> {};
+class FaultyPlanGraph : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(FaultyPlanGraph, IsRefusedByName) {
   PlanGraph plan = Room();
   GetParam().make(plan);
   const absl::Status status = Validate(plan);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), testing::HasSubstr(GetParam().message));
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr(GetParam().message));
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 INSTANTIATE_TEST_SUITE_P(
     All, FaultyPlanGraph,
-    testing::Values(Fault{"Corner", [](PlanGraph& plan) { plan.corners[2].point.x() = kNan; }, "corner 2"},
-                    Fault{"Index", [](PlanGraph& plan) { plan.walls[3].to = 4; }, "wall 3 joins corners 3 and 4, of 4"},
-                    Fault{"Length", [](PlanGraph& plan) { plan.walls[1].to = 1; }, "wall 1 has no length"},
-                    Fault{"Thickness", [](PlanGraph& plan) { plan.walls[0].thickness = -1; }, "wall 0"},
-                    Fault{"Confidence", [](PlanGraph& plan) { plan.walls[0].confidence = 0; }, "wall 0"},
-                    Fault{"Door", [](PlanGraph& plan) { plan.doors[0].to.y() = kNan; }, "door 0"},
-                    Fault{"Outline", [](PlanGraph& plan) { plan.rooms[0].outline.resize(2); }, "room 0"},
-                    Fault{"Scale", [](PlanGraph& plan) { plan.metres_per_unit = 0; }, "0 m a unit"}),
+    ::testing::Values(Fault{"Corner", [](PlanGraph& plan) { plan.corners[2].point.x() = kNan; }, "corner 2"},
+                      Fault{"Index", [](PlanGraph& plan) { plan.walls[3].to = 4; },
+                            "wall 3 joins corners 3 and 4, of 4"},
+                      Fault{"Length", [](PlanGraph& plan) { plan.walls[1].to = 1; }, "wall 1 has no length"},
+                      Fault{"Thickness", [](PlanGraph& plan) { plan.walls[0].thickness = -1; }, "wall 0"},
+                      Fault{"Confidence", [](PlanGraph& plan) { plan.walls[0].confidence = 0; }, "wall 0"},
+                      Fault{"Door", [](PlanGraph& plan) { plan.doors[0].to.y() = kNan; }, "door 0"},
+                      Fault{"Outline", [](PlanGraph& plan) { plan.rooms[0].outline.resize(2); }, "room 0"},
+                      Fault{"Scale", [](PlanGraph& plan) { plan.metres_per_unit = 0; }, "0 m a unit"}),
     [](const auto& fault) { return std::string(fault.param.name); });
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST(CheckPlan, RefusesMoreThanAMillionWalls) {
   plan.walls.assign(kMostWalls + 1, {.from = 0, .to = 1});
   const absl::Status status = CheckPlan(plan);
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_THAT(std::string(status.message()), testing::HasSubstr("1000001 walls"));
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("1000001 walls"));
 }
 
 }  // namespace

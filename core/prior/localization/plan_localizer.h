@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/prior/alignment/control_pairs.h"
+#include "core/prior/localization/localizer_options.h"
+#include "core/prior/localization/particles.h"
+#include "core/prior/localization/plan_field.h"
+#include "core/prior/localization/plan_state.h"
+
+namespace enfilade::prior {
+
+// One look of the robot.
+struct PlanLook {
+  Pose2 T_map_robot;                  // by SLAM; only the motion from look to look counts
+  std::vector<Eigen::Vector2d> hits;  // ends of beams, in the robot's frame, m
+};
+
+// Where the robot may be after a look.
+struct PlanPosterior {
+  double travelled = 0;         // m since the first look
+  std::size_t particles = 0;    // 0: a global start has not seen enough yet
+  double effective = 0;         // particles, of them
+  std::vector<PlanMode> modes;  // the heaviest first
+  double matched = 0;           // share of what the robot has seen lately that is near walls, at the heaviest mode
+  // One mode has enough mass, is narrow, explains what the robot sees, and has done so for a while.
+  bool confident = false;
+};
+
+// Locates a robot in a plan that nobody has corrected: Monte Carlo localisation (D. Fox, W. Burgard, F. Dellaert, S.
+// Thrun, 1999) whose particles also carry the plan's local scale (B. Behzadian, P. Agarwal, W. Burgard, G. Tipaldi,
+// "Monte Carlo localization in hand-drawn maps", 2015), and by how much it is stretched along its axes, and whether it
+// is mirrored. The same looks with the same options give the same, bit for bit.
+class PlanLocalizer {
+ public:
+  // `pairs`: where the robot's own map lies in the plan, as people have shown (StartAtPairs); empty: anywhere. `field`
+  // outlives it.
+  PlanLocalizer(const PlanField& field, const std::vector<ControlPair>& pairs, const PlanLocalizerOptions& options);
+
+  // In order of time.
+  PlanPosterior Add(const PlanLook& look);
+
+  // The particles near `state` are kept, those elsewhere dropped: within the 99.9 % gate of `covariance` (of x, y, yaw,
+  // in metres along the plan frame's axes) and no less than options' floors. Does nothing if none is near.
+  void Gate(const PlanState& state, const Eigen::Matrix3d& covariance);
+
+  const std::vector<PlanParticle>& particles() const { return particles_; }
+
+ private:
+  struct Seen {
+    double travelled;
+    std::vector<Eigen::Vector2d> points;  // in the map frame
+  };
+
+  void Start(const Pose2& T_map_robot);
+  void Move(const Pose2& motion);
+  void Weigh(const PlanLook& look);
+  void Resample();
+  PlanPosterior Report(const PlanLook& look);
+  std::vector<Eigen::Vector2d> RecentPoints(const Pose2& T_map_robot) const;
+
+  const PlanField& field_;
+  std::vector<ControlPair> pairs_;
+  PlanLocalizerOptions options_;
+  std::vector<PlanParticle> particles_;
+  std::deque<Seen> seen_;
+  std::optional<Pose2> T_map_last_;  // at the last look
+  double travelled_ = 0;
+  double since_update_ = 0;  // m
+  double turned_ = 0;        // rad, since the update
+  std::uint64_t step_ = 0;
+  double slow_ = 0;  // means of the likelihood, for the recovery
+  double fast_ = 0;
+  double matched_ = 0;                   // as in PlanPosterior
+  bool sure_ = false;                    // one mode was confident at the last look
+  std::optional<double> last_sure_;      // m: where one was at last
+  std::optional<double> holding_since_;  // m: where a mode began to be alone and narrow
+};
+
+}  // namespace enfilade::prior

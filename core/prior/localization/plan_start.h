@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geometry/pose2.h"
+#include "core/prior/alignment/control_pairs.h"
+#include "core/prior/localization/localizer_options.h"
+#include "core/prior/localization/particles.h"
+#include "core/prior/localization/plan_field.h"
+#include "core/prior/localization/plan_likelihood.h"
+#include "core/prior/plan/plan_graph.h"
+
+namespace enfilade::prior {
+
+// Metres per unit of the sheet that particles' scales are relative to: what two pairs or more say; else what the plan
+// says; else as if half of its doors were wider than kUsualDoor. INVALID_ARGUMENT: there is nothing to tell it by, the
+// pairs cannot be used (FitPairs; one alone only says where its point is), or the plan would be wider than
+// kLargestField.
+absl::StatusOr<double> NominalScale(const PlanGraph& plan, const std::vector<ControlPair>& pairs);
+
+constexpr double kUsualDoor = 0.9;  // m
+
+// `count` places of a robot by what people have shown: places of the plan in the frame of the robot's own map, where
+// it is at `T_map_robot`. Each place is what the pairs say if every point is off by options.click_sigma and the plan is
+// stretched along its axes; with one pair, turned anyhow and of any scale within options.scale_spread.
+std::vector<PlanParticle> StartAtPairs(const PlanField& field, const std::vector<ControlPair>& pairs,
+                                       const Pose2& T_map_robot, std::size_t count,
+                                       const PlanLocalizerOptions& options);
+
+// At most `count` places anywhere in the plan, drawn by how likely they are: tried at options.global_density with wide
+// walls, then the best with narrower ones (an annealed particle filter: J. Deutscher, A. Blake, I. Reid, "Articulated
+// body motion capture by annealed particle filtering", 2000). `round` numbers the calls: each draws otherwise.
+std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vector<Eigen::Vector2d>& seen,
+                                        std::size_t count, std::uint64_t round, double density,
+                                        const PlanLocalizerOptions& options);
+
+}  // namespace enfilade::prior

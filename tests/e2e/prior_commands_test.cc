@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Floor plans and buildings handled by the tool alone, against a real server.
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "core/grid/files/map_files.h"
+#include "core/prior/formats/building_plan.h"
+#include "core/prior/formats/geojson_plan.h"
+#include "nlohmann/json.hpp"
+#include "tests/e2e/whole_system.h"
+#include "tests/support/command.h"
+#include "tests/support/plans/drawn_building.h"
+#include "tests/support/status_assertions.h"
+
+namespace enfilade::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+class PriorCommands : public ::testing::Test {
+ protected:
+  PriorCommands() : system_({}) { system_.CreateSite("s"); }
+
+  std::string File(const std::string& name, const std::string& content = "") const {
+    const std::string path = (system_.directory() / name).string();
+    if (!content.empty()) std::ofstream(path, std::ios::binary) << content;
+    return path;
+  }
+  static grid::OccupancyGrid ReadMap(const std::string& folder, const std::string& name) {
+    std::vector<grid::MapFile> files;
+    for (const std::string& extension : {".yaml", ".png"}) {
+      std::ifstream in(folder + "/" + name + extension, std::ios::binary);
+      files.push_back({name + extension, {std::istreambuf_iterator<char>(in), {}}});
+    }
+    const auto imported = grid::ImportFiles(files, grid::MapDialect::kNav2);
+    EXPECT_OK(imported.status());
+    return imported.ok() ? grid::ToOccupancyGrid(imported->raster) : grid::OccupancyGrid();
+  }
+  // What robots have seen of the drawn building: all but its right end.
+  void ImportMap() {
+    const auto place = [](const Eigen::Vector2d& sheet) -> Eigen::Vector2d {
+      return 0.05 * Eigen::Vector2d(sheet.x(), -sheet.y());
+    };
+    const auto files = grid::RenderFiles(
+        grid::FromOccupancyGrid(
+            prior::MapOf(prior::DrawnBuilding(), place, [](const Eigen::Vector2d& sheet) { return sheet.x() < 600; })),
+        "seen", {.format = grid::MapFileFormat::kPng});
+    ASSERT_OK(files.status());
+    for (const grid::MapFile& file : *files) File(file.name, file.bytes);
+    Run({"map", "import", File("seen.yaml"), "--map", "Seen"});
+  }
+
+  CommandResult Try(const std::vector<std::string>& arguments, const std::string& site = "s") {
+    std::vector<std::string> command = {Program("enfilade"),        "--quiet", "--json", "--timeout", "300", "--server",
+                                        system_.server().address(), "--site",  site};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return RunCommand(command);
+  }
+  json Run(const std::vector<std::string>& arguments, const std::string& site = "s") {
+    const CommandResult result = Try(arguments, site);
+    EXPECT_EQ(result.exit_code, 0) << arguments[0] << ' ' << arguments[1] << ": " << result.output;
+    return json::parse(result.output, nullptr, false);
+  }
+
+  WholeSystem system_;
+};
+
+TEST_F(PriorCommands, APlanningMapIsPublishedAsARevision) {
+  ImportMap();
+  File("plan.geojson", prior::WriteGeoJsonPlan(prior::DrawnBuilding()));
+  Run({"prior", "add", File("plan.geojson"), "--name", "Ground floor"});
+  EXPECT_THAT(Try({"prior", "publish", "Ground floor", "--to", "planning"}).output, HasSubstr("not aligned"));
+  Run({"prior", "align", "Ground floor", "--activate"});
+  Run({"prior", "export", "Ground floor", "-o", File("exported"), "--product", "planning"});
+  const grid::OccupancyGrid exported = ReadMap(File("exported"), "planning");
+
+  EXPECT_THAT(Try({"prior", "publish", "Ground floor", "--to", "s"}).output, HasSubstr("own site"));
+  EXPECT_NE(Try({"prior", "publish", "Ground floor", "--to", "planning"}).exit_code, 0) << "no such site";
+  system_.CreateSite("planning");
+  for (const char* revision : {"/revisions/1", "/revisions/2"}) {
+    const json published = Run({"prior", "publish", "Ground floor", "--to", "planning"});
+    EXPECT_THAT(published["revision"].get<std::string>(), EndsWith(revision));
+  }
+  Run({"map", "export", "Ground floor", "-o", File("published"), "--format", "png"}, "planning");
+  const grid::OccupancyGrid published = ReadMap(File("published"), "Ground-floor");
+  EXPECT_EQ(published.geometry, exported.geometry);
+  EXPECT_EQ(published.cells, exported.cells);
+  EXPECT_GT(std::count_if(published.cells.begin(), published.cells.end(),
+                          [](std::uint8_t cell) { return cell != grid::kUnknownCell; }),
+            300'000)
+      << "44 m x 24 m, less a corner, seen or not";
+  EXPECT_EQ(Run({"map", "list"}).size(), 1u) << "nothing was added to the plan's own site";
+}
+
+TEST_F(PriorCommands, AnImportedBuildingIsDrawn) {
+  File("house.building.yaml", prior::WriteBuildingPlan(prior::DrawnBuilding(), "L1", 0.05));
+  Run({"import", "building", File("house.building.yaml"), "--prefix", "House "});
+  Run({"map", "export", "House L1", "-o", File("drawn"), "--format", "png"});
+  const grid::OccupancyGrid drawn = ReadMap(File("drawn"), "House-L1");
+  EXPECT_EQ(drawn.geometry.resolution, 0.05);
+  const auto at = [&](double x, double y) {
+    const Eigen::Vector2d cell = Inverse(drawn.geometry.T_map_grid) * Eigen::Vector2d(x, y) / drawn.geometry.resolution;
+    return drawn.cells[drawn.geometry.index(static_cast<int>(cell.x()), static_cast<int>(cell.y()))];
+  };
+  EXPECT_LT(grid::ProbabilityOfCell(at(10.0, -11.25)), 0.2) << "the corridor";
+  EXPECT_GT(grid::ProbabilityOfCell(at(20.0, 0.0)), 0.8) << "the outer wall";
+  EXPECT_EQ(at(40.0, -20.0), grid::kUnknownCell) << "outside";
+}
+
+}  // namespace
+}  // namespace enfilade::testing

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What ties maps to a plan, as it is stored.
+#include "core/graph/plans/plan_ties.h"
+#include "tests/fuzz/decoder.h"
+
+namespace enfilade::fuzz {
+
+std::vector<std::string> Seeds() {
+  graph::PlanTies ties;
+  const std::string empty = graph::EncodePlanTies(ties);
+  ties.corners = {{0, 0}, {4, 0}, {4, 3}};
+  ties.struts = {{0, 1, 7}, {1, 2, -1}};
+  ties.maps = {{MapId("a"), {1, 2, 0.5}}, {MapId("b"), {}}};
+  ties.sightings = {{.strut = 0,
+                     .map = MapId("a"),
+                     .T_map_line = {1, 2, 3},
+                     .along = 0.5,
+                     .length = 2,
+                     .across_sigma = 0.05,
+                     .yaw_sigma = 0.01}};
+  ties.corner_sigma = 0.2;
+  ties.stretch_sigma = 0.05;
+  return {empty, graph::EncodePlanTies(ties)};
+}
+
+bool Decode(std::string_view bytes) {
+  const auto ties = graph::DecodePlanTies(bytes);
+  if (!ties.ok()) {
+    Expect(ties.status().code() == absl::StatusCode::kDataLoss ||
+               ties.status().code() == absl::StatusCode::kFailedPrecondition,
+           "damaged ties are refused as such");
+    return false;
+  }
+  for (const graph::PlanStrut& strut : ties->struts) {
+    const int count = static_cast<int>(ties->corners.size());
+    Expect(strut.from >= 0 && strut.from < count && strut.to >= 0 && strut.to < count, "a strut has both its corners");
+  }
+  for (const graph::WallSighting& sighting : ties->sightings) {
+    Expect(sighting.strut >= 0 && sighting.strut < static_cast<int>(ties->struts.size()), "a sighting has its strut");
+    Expect(ties->HasSeen(sighting.map), "the map of a sighting is listed");
+    Expect(IsFinite(sighting.T_map_line) && sighting.across_sigma > 0 && sighting.yaw_sigma > 0,
+           "a sighting is a measurement");
+  }
+  Expect(graph::EncodePlanTies(*ties) == bytes, "ties are written as they were read");
+  return true;
+}
+
+}  // namespace enfilade::fuzz
