@@ -72,8 +72,9 @@ Arc FollowArc(const Network& network, int stroke, int joint) {
 }  // namespace
 
 std::vector<bool> FindSwings(const StrokeGraph& drawing, const std::vector<bool>& among, double diagonal) {
-  constexpr double kLargestRadius = 0.03;  // of the diagonal
-  constexpr double kLeastTurn = 0.8;       // rad
+  constexpr double kLargestRadius = 0.03, kLargestColumn = 0.012;  // of the diagonal
+  constexpr double kMostOfALeaf = 4;                               // rad; what turns farther is a circle
+  constexpr double kLeastTurn = 0.8;                               // rad
   constexpr std::size_t kFewestPieces = 4;
   const Network network(drawing, among);
   std::vector<bool> swings(among.size(), false);
@@ -82,7 +83,8 @@ std::vector<bool> FindSwings(const StrokeGraph& drawing, const std::vector<bool>
     for (const int begin : {drawing.strokes[i].from, drawing.strokes[i].to}) {
       const Arc arc = FollowArc(network, static_cast<int>(i), begin);
       if (arc.strokes.size() < kFewestPieces || std::abs(arc.turn) < kLeastTurn) continue;
-      if (arc.radius > kLargestRadius * diagonal) continue;
+      const double largest = std::abs(arc.turn) < kMostOfALeaf ? kLargestRadius : kLargestColumn;
+      if (arc.radius > largest * diagonal) continue;
       for (const int stroke : arc.strokes) swings[stroke] = true;
       for (const int end : {arc.from, arc.to}) {
         for (const int leaf : network.At(end)) {
