@@ -58,7 +58,7 @@ void FillDoubleLines(Ink& ink) {
   const double lines = cv::countNonZero(Thin(ink.strokes));
   std::vector<uchar> fill(count, 0);
   // Walls of one style have one or two thicknesses; what else lies between lines has many.
-  constexpr double kFirstShare = 0.3, kNextShare = 0.12;  // of the lines' length
+  constexpr double kFirstShare = 0.5, kNextShare = 0.12;  // of the lines' length
   for (double share = kFirstShare; !strips.empty(); share = kNextShare) {
     const auto usual = std::max_element(strips.begin(), strips.end(), [&](const Strip& a, const Strip& b) {
       return LengthOfWidth(strips, a.width) < LengthOfWidth(strips, b.width);

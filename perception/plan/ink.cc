@@ -14,14 +14,6 @@ cv::Mat Disk(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {
 
 double DiagonalOf(const cv::Mat& image) { return std::hypot(image.cols, image.rows); }
 
-cv::Mat ShrunkTo(const cv::Mat& image, double diagonal) {
-  const double scale = diagonal / DiagonalOf(image);
-  if (scale >= 1) return image;
-  cv::Mat small;
-  cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
-  return small;
-}
-
 // The radius of what is too wide to be a wall: 1.2 % of the diagonal (1.2 m of wall in a building of 50 m).
 constexpr double kWideShare = 0.012;
 

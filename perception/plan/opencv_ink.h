@@ -19,7 +19,7 @@ struct Ink {
 Ink FindInk(const Sheet& sheet);
 
 // Fills walls that are drawn as two parallel lines. The gap between the lines has the same width along much of the
-// drawing; if less than a third of all lines run beside such a gap, nothing is filled.
+// drawing; if less than half of all lines run beside such a gap, nothing is filled.
 void FillDoubleLines(Ink& ink);
 
 // The parts of a mask that a disk of this radius (px) fits into: its morphological opening.

@@ -21,4 +21,7 @@ constexpr std::int64_t kMaxSheetPixels = 64'000'000;
 // damaged, or more than kMaxSheetPixels, which is checked before anything is decoded.
 absl::StatusOr<Sheet> DecodeSheet(std::string_view bytes);
 
+// The picture with this diagonal, px, if it is larger.
+cv::Mat ShrunkTo(const cv::Mat& image, double diagonal);
+
 }  // namespace enfilade::perception

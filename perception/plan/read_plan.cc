@@ -21,14 +21,14 @@
 namespace enfilade::perception {
 namespace {
 
-absl::StatusOr<std::optional<double>> ScaleBy(const std::optional<PlanMeasure>& measure) {
-  if (!measure) return std::nullopt;
+absl::Status CheckMeasure(const std::optional<PlanMeasure>& measure) {
+  if (!measure) return absl::OkStatus();
   const double units = (measure->to - measure->from).norm();
   if (!(units > 0) || !std::isfinite(units) || !(measure->metres > 0) || !std::isfinite(measure->metres)) {
     return InvalidArgument("measure: needs two different points and a positive length, got {} units of {} m", units,
                            measure->metres);
   }
-  return measure->metres / units;
+  return absl::OkStatus();
 }
 
 enum class PlanKind { kPicture, kPdf, kSvg, kDxf, kGeoJson, kBuilding };
@@ -66,9 +66,9 @@ absl::Status CheckLines(const prior::PlanGraph& lines) {
 }
 
 // Lines of a drawing become a planar graph with doors where its lines leave gaps.
-absl::StatusOr<PlanFile> FromLines(prior::VectorPlan drawing, std::optional<double> metres_per_unit) {
+absl::StatusOr<PlanFile> FromLines(prior::VectorPlan drawing, const std::optional<PlanMeasure>& measure) {
   PlanFile file{std::move(drawing.graph), std::move(drawing.warnings), std::nullopt};
-  if (metres_per_unit) file.graph.metres_per_unit = metres_per_unit;
+  if (measure) file.graph.metres_per_unit = MetresPerUnit(*measure, file.graph);
   ENFILADE_RETURN_IF_ERROR(CheckLines(file.graph));
   const double diagonal = prior::DiagonalOf(file.graph);
   const double weld = prior::JoinDistance(file.graph);
@@ -107,44 +107,50 @@ absl::StatusOr<PlanFile> FromBuilding(std::string_view bytes, const ReadPlanOpti
   return file;
 }
 
-absl::StatusOr<PlanFile> FromPicture(std::string_view bytes, std::optional<double> metres_per_unit) {
-  ENFILADE_ASSIGN_OR_RETURN(PicturedPlan pictured, RecognisePlan(bytes, metres_per_unit));
-  return PlanFile{std::move(pictured.graph), {}, std::move(pictured.picture)};
+absl::StatusOr<PlanFile> FromPicture(std::string_view bytes, const std::optional<PlanMeasure>& measure) {
+  ENFILADE_ASSIGN_OR_RETURN(PicturedPlan pictured, RecognisePlan(bytes, measure));
+  PlanFile file{std::move(pictured.graph), {}, std::move(pictured.picture)};
+  if (file.graph.H_sheet_photo) {
+    file.warnings.push_back(fmt::format(
+        "the picture is the photo of a page, which was rectified to {}x{} pixels: walls are in pixels of the "
+        "page, points that you give are in pixels of the photo",
+        file.picture->width, file.picture->height));
+  }
+  return file;
 }
 
-absl::StatusOr<PlanFile> DecodeAny(std::string_view bytes, const ReadPlanOptions& options,
-                                   std::optional<double> metres_per_unit) {
+absl::StatusOr<PlanFile> DecodeAny(std::string_view bytes, const ReadPlanOptions& options) {
   switch (KindOf(bytes)) {
     case PlanKind::kGeoJson: {
       ENFILADE_ASSIGN_OR_RETURN(prior::PlanGraph graph, prior::ReadGeoJsonPlan(bytes));
-      if (metres_per_unit) graph.metres_per_unit = metres_per_unit;
+      if (options.measure) graph.metres_per_unit = MetresPerUnit(*options.measure, graph);
       return PlanFile{std::move(graph), {}, std::nullopt};
     }
     case PlanKind::kSvg: {
       ENFILADE_ASSIGN_OR_RETURN(prior::VectorPlan drawing, prior::ReadSvgPlan(bytes, options.layers));
-      return FromLines(std::move(drawing), metres_per_unit);
+      return FromLines(std::move(drawing), options.measure);
     }
     case PlanKind::kDxf: {
       ENFILADE_ASSIGN_OR_RETURN(prior::VectorPlan drawing, prior::ReadDxfPlan(bytes, options.layers));
-      return FromLines(std::move(drawing), metres_per_unit);
+      return FromLines(std::move(drawing), options.measure);
     }
     case PlanKind::kBuilding:
       return FromBuilding(bytes, options);
     case PlanKind::kPdf: {
       ENFILADE_ASSIGN_OR_RETURN(const std::string png, RenderPdfPage(bytes, options.page));
-      return FromPicture(png, metres_per_unit);
+      return FromPicture(png, options.measure);
     }
     case PlanKind::kPicture:
       break;
   }
-  return FromPicture(bytes, metres_per_unit);
+  return FromPicture(bytes, options.measure);
 }
 
 }  // namespace
 
 absl::StatusOr<PlanFile> DecodePlan(std::string_view bytes, const ReadPlanOptions& options) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::optional<double> metres_per_unit, ScaleBy(options.measure));
-  ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, options, metres_per_unit));
+  ENFILADE_RETURN_IF_ERROR(CheckMeasure(options.measure));
+  ENFILADE_ASSIGN_OR_RETURN(PlanFile file, DecodeAny(bytes, options));
   ENFILADE_RETURN_IF_ERROR(prior::CheckPlan(file.graph));
   if (file.graph.rooms.empty()) AddRooms(file);
   if (!file.graph.metres_per_unit) file.warnings.push_back("the scale is unknown: give a measured distance");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,15 +10,9 @@
 #include "absl/status/statusor.h"
 #include "core/prior/plan/plan_graph.h"
 #include "perception/image/frame.h"
+#include "perception/plan/plan_measure.h"
 
 namespace enfilade::perception {
-
-// A distance that is known: between two points of the sheet.
-struct PlanMeasure {
-  Eigen::Vector2d from = Eigen::Vector2d::Zero();
-  Eigen::Vector2d to = Eigen::Vector2d::Zero();
-  double metres = 0;
-};
 
 struct ReadPlanOptions {
   int page = 0;                                       // of a PDF, from 1; 0: the only one
@@ -31,7 +24,7 @@ struct ReadPlanOptions {
 struct PlanFile {
   prior::PlanGraph graph;
   std::vector<std::string> warnings;
-  std::optional<GreyFrame> picture = std::nullopt;  // the sheet, if it is a picture
+  std::optional<GreyFrame> picture = std::nullopt;  // the sheet, if it is a picture; of a photo, the page rectified
 };
 
 // The walls of a floor plan (docs/prior_maps.md), planar, with the rooms between them. By its content the file is a

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -79,6 +80,14 @@ absl::StatusOr<grid::PixelImage> DecodePixels(std::string_view bytes, const Imag
 }
 
 }  // namespace
+
+cv::Mat ShrunkTo(const cv::Mat& image, double diagonal) {
+  const double scale = diagonal / std::hypot(image.cols, image.rows);
+  if (scale >= 1) return image;
+  cv::Mat small;
+  cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
+  return small;
+}
 
 absl::StatusOr<Sheet> DecodeSheet(std::string_view bytes) {
   return GuardOpenCv("decoding a plan", [&]() -> absl::StatusOr<Sheet> {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "perception/plan/wall_lines.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -49,6 +50,8 @@ class Assembly {
 
   // The skeleton of a crossing of wide strokes has two branchings close to each other, and pieces around them that are
   // shorter than the strokes are wide. At the ends of wide strokes it may have hooks.
+  static constexpr double kWidestCrossing = 1.5;  // times the longest piece in it
+
   void ContractBranchings() {
     const auto at = StrokesAtJoints();
     std::vector<double> width(graph_.joints.size(), 0);
@@ -61,12 +64,26 @@ class Assembly {
       while (target[j] != j) j = target[j] = target[target[j]];
       return j;
     };
-    for (const Stroke& stroke : graph_.strokes) {
+    std::vector<Eigen::AlignedBox2d> extent;
+    for (const Vector2d& joint : graph_.joints) extent.emplace_back(joint);
+    std::vector<std::size_t> shortest_first(graph_.strokes.size());
+    std::iota(shortest_first.begin(), shortest_first.end(), 0);
+    std::stable_sort(shortest_first.begin(), shortest_first.end(), [&](std::size_t a, std::size_t b) {
+      return graph_.LengthOf(graph_.strokes[a]) < graph_.LengthOf(graph_.strokes[b]);
+    });
+    for (const std::size_t i : shortest_first) {
+      const Stroke& stroke = graph_.strokes[i];
       const bool ends = at[stroke.from].size() < 2 || at[stroke.to].size() < 2;
       if (ends && at[stroke.from].size() + at[stroke.to].size() < 3) continue;  // stands alone
       const double widest = std::max(width[stroke.from], width[stroke.to]);
       const double reach = ends ? 1.4 * widest : std::max(2.0, 0.75 * widest);
-      if (graph_.LengthOf(stroke) < reach) target[root(stroke.from)] = root(stroke.to);
+      if (graph_.LengthOf(stroke) >= reach) continue;
+      // Many short pieces in a row are no crossing.
+      const int one = root(stroke.from), other = root(stroke.to);
+      const Eigen::AlignedBox2d both = extent[one].merged(extent[other]);
+      if (both.diagonal().norm() > kWidestCrossing * reach) continue;
+      target[one] = other;
+      extent[other] = both;
     }
     std::vector<Vector2d> sum(graph_.joints.size(), Vector2d::Zero());
     std::vector<int> count(graph_.joints.size(), 0);

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <vector>
 
+#include "perception/plan/door_swings.h"
+
 namespace enfilade::perception {
 namespace {
 
@@ -52,6 +54,7 @@ class Selection {
         pens_.emplace_back(thinnest, widest);
       }
     }
+    DropSwings();
     DropSmallParts(kFurnitureShare, kSymbolShare);
     return kept_;
   }
@@ -73,6 +76,15 @@ class Selection {
   static constexpr double kLongShare = 0.03;       // a line that is long; it has at least
   static constexpr double kLongRun = 0.3;          // of the length of a usual wall, too
   static constexpr double kStructuralShare = 0.5;  // of a pen's length, in long lines that begin and end at others
+
+  // Walls are drawn with the widest pen, or some with a thinner one, with which other things are drawn, too.
+  void DropSwings() {
+    if (pens_.size() < 2) return;
+    std::vector<bool> thin = kept_;
+    for (std::size_t i = 0; i < thin.size(); ++i) thin[i] = thin[i] && Width(i) > 0 && Width(i) < pens_.front().first;
+    const std::vector<bool> swings = FindSwings(drawing_, thin, diagonal_);
+    for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = kept_[i] && !swings[i];
+  }
 
   double Width(std::size_t i) const { return drawing_.strokes[i].width; }
   double Length(std::size_t i) const { return drawing_.LengthOf(drawing_.strokes[i]); }

@@ -75,7 +75,7 @@ class PlanReader {
     const std::string frame = ValueOf<std::string>(document_, "frame", "");
     if (frame == "sheet" || (sheet_only_ && frame.empty())) {
       if (IsGiven(document_, "metres_per_unit")) plan_.metres_per_unit = document_["metres_per_unit"].get<double>();
-      return absl::OkStatus();
+      return IsGiven(document_, "H_sheet_photo") ? ReadHomography(document_["H_sheet_photo"]) : absl::OkStatus();
     }
     if (sheet_only_) return InvalidArgument("frame is \"{}\": expected sheet", frame);
     plan_.metres_per_unit = 1.0;
@@ -86,6 +86,13 @@ class PlanReader {
     if (!frame.empty()) return InvalidArgument("frame is \"{}\": expected sheet or metres", frame);
     frame_ = Frame::kLonLat;
     return FindMiddle();
+  }
+
+  absl::Status ReadHomography(const Json& values) {
+    if (!values.is_array() || values.size() != 9) return InvalidArgument("H_sheet_photo: expected nine numbers");
+    plan_.H_sheet_photo.emplace();
+    for (int i = 0; i < 9; ++i) (*plan_.H_sheet_photo)(i / 3, i % 3) = values[i].get<double>();
+    return absl::OkStatus();
   }
 
   // The middle of all coordinates, for the projection.
@@ -338,6 +345,9 @@ std::string WriteGeoJsonPlan(const PlanGraph& plan) {
   }
   Json document = {{"type", "FeatureCollection"}, {"frame", "sheet"}, {"features", std::move(features)}};
   if (plan.metres_per_unit) document["metres_per_unit"] = *plan.metres_per_unit;
+  if (plan.H_sheet_photo) {
+    for (int i = 0; i < 9; ++i) document["H_sheet_photo"].push_back((*plan.H_sheet_photo)(i / 3, i % 3));
+  }
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -12,7 +12,8 @@ namespace enfilade::prior {
 // A plan as a GeoJSON (RFC 7946) FeatureCollection. Its features have the property "kind": "wall" (LineString, with
 // "from" and "to": numbers of corners, "thickness", "confidence"), "door" (LineString, "confidence"), "corner" (Point),
 // "room" and "shaft" (Polygon, "name"; a shaft's "shaft": "lift" or "stairs"). Coordinates are in the plan's sheet
-// frame, as the member "frame": "sheet" says; "metres_per_unit" is left out if it is unknown. Corners are written
+// frame, as the member "frame": "sheet" says; "metres_per_unit" is left out if it is unknown, and
+// "H_sheet_photo" (row by row) if the plan was no photo of a page. Corners are written
 // first, so that corner i of the plan is the i-th feature.
 std::string WriteGeoJsonPlan(const PlanGraph& plan);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/prior/plan/plan_graph.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <string_view>
 
@@ -39,6 +41,10 @@ absl::Status ValidateOutline(const std::vector<Eigen::Vector2d>& outline, std::s
 }
 
 }  // namespace
+
+Eigen::Vector2d ToSheet(const PlanGraph& plan, const Eigen::Vector2d& picked) {
+  return plan.H_sheet_photo ? (*plan.H_sheet_photo * picked.homogeneous()).eval().hnormalized() : picked;
+}
 
 double LengthOf(const PlanGraph& plan, const PlanWall& wall) {
   return (plan.corners[wall.to].point - plan.corners[wall.from].point).norm();
@@ -82,6 +88,9 @@ absl::Status Validate(const PlanGraph& plan) {
     ENFILADE_RETURN_IF_ERROR(ValidateOutline(plan.shafts[i].outline, "shaft", i));
   if (plan.metres_per_unit && !(std::isfinite(*plan.metres_per_unit) && *plan.metres_per_unit > 0)) {
     return InvalidArgument("the plan has {} m a unit", *plan.metres_per_unit);
+  }
+  if (plan.H_sheet_photo && !(plan.H_sheet_photo->allFinite() && std::abs(plan.H_sheet_photo->determinant()) > 0)) {
+    return InvalidArgument("the homography of the plan's photo has no inverse");
   }
   const double size = plan.metres_per_unit.value_or(0) * DiagonalOf(plan);
   if (size > kLargestPlan) {

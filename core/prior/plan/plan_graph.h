@@ -58,19 +58,25 @@ struct PlanGraph {
   std::vector<PlanShaft> shafts;
   // m, by the file's own units, dimensions or measurements; not set: unknown.
   std::optional<double> metres_per_unit = std::nullopt;
+  // Set if the picture was the photo of a page: from pixels of the photo to the sheet frame, that of the page as if
+  // seen from straight above.
+  std::optional<Eigen::Matrix3d> H_sheet_photo = std::nullopt;
 };
 
 // Larger buildings are errors of scale.
 constexpr double kLargestPlan = 20'000;  // m
 constexpr double kLargestCoordinate = 1e12;
 
+// A point that somebody has picked in the plan's file, in the sheet frame: of a photo it is in the photo's pixels.
+Eigen::Vector2d ToSheet(const PlanGraph& plan, const Eigen::Vector2d& picked);
+
 double LengthOf(const PlanGraph& plan, const PlanWall& wall);
 double WallLength(const PlanGraph& plan);  // of all walls
 double DiagonalOf(const PlanGraph& plan);  // of the box around its corners; 0: it has none
 
 // Fails with INVALID_ARGUMENT, naming the element: an index that no corner has, a wall without length, a number that is
-// not finite, a corner beyond kLargestCoordinate, a confidence outside (0, 1], an outline of fewer than three points, a
-// scale by which the plan is larger than kLargestPlan.
+// not finite, a corner beyond kLargestCoordinate, a homography that has no inverse, a confidence outside (0, 1], an
+// outline of fewer than three points, a scale by which the plan is larger than kLargestPlan.
 absl::Status Validate(const PlanGraph& plan);
 
 }  // namespace enfilade::prior

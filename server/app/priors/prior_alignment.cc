@@ -224,11 +224,13 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& 
                                                     const Placement& placement) const {
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadPlan(context, prior_map));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, prior::ReadGeoJsonPlan(text));
+  prior::FitOptions options = placement.options;
+  for (prior::ControlPair& pair : options.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
   std::vector<grid::OccupancyGrid> grids;
   grids.push_back(std::move(joined));
   for (const LevelMap& map : level.unjoined) grids.push_back(map.grid);
-  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, grids, placement.options));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, grids, options));
 
   AlignedPriorMap aligned;
   aligned.outcome.reason = fit.alignment.reason;
@@ -257,7 +259,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& 
   const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
   alignment.tied_walls = static_cast<int>(ties.sightings.size());
   alignment.graph_version = level.graph_version;
-  for (const prior::ControlPair& pair : placement.options.pairs) {
+  for (const prior::ControlPair& pair : options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
   }
   if (placement.accepted_state == storage::PriorMapState::kActive) {

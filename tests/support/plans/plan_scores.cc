@@ -18,21 +18,36 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// The share of samples on walls of `of` that lie on a wall of `on`.
-double ShareOnWalls(const prior::PlanGraph& of, const prior::PlanGraph& on, const PlanTolerance& tolerance,
-                    std::vector<double>* errors) {
-  prior::SegmentGrid grid(std::max(tolerance.distance, 1e-6));
+// How samples on walls of one plan lie to the walls of another.
+struct SampledWalls {
+  std::vector<double> distances;  // of those on a wall
+  std::vector<Vector2d> off;
+
+  double ShareOn() const {
+    const double all = static_cast<double>(distances.size() + off.size());
+    return all > 0 ? static_cast<double>(distances.size()) / all : 0;
+  }
+};
+
+SampledWalls SampleWalls(const prior::PlanGraph& of, const prior::PlanGraph& on, const PlanTolerance& tolerance) {
+  const auto reach = [&](const prior::PlanWall& wall) {
+    return tolerance.within_thickness ? std::max(tolerance.distance, wall.thickness / 2) : tolerance.distance;
+  };
+  double farthest = 1e-6;
+  for (const prior::PlanWall& wall : of.walls) farthest = std::max(farthest, reach(wall));
+  for (const prior::PlanWall& wall : on.walls) farthest = std::max(farthest, reach(wall));
+  prior::SegmentGrid grid(farthest);
   for (std::size_t i = 0; i < on.walls.size(); ++i) {
     grid.Add(static_cast<int>(i), on.corners[on.walls[i].from].point, on.corners[on.walls[i].to].point);
   }
-  int all = 0, met = 0;
+  SampledWalls sampled;
   for (const prior::PlanWall& wall : of.walls) {
     const Vector2d a = of.corners[wall.from].point, b = of.corners[wall.to].point;
     const Vector2d direction = (b - a).normalized();
     const int samples = std::max(1, static_cast<int>((b - a).norm() / tolerance.step));
     for (int k = 0; k < samples; ++k) {
       const Vector2d p = a + (b - a) * ((k + 0.5) / samples);
-      double nearest = tolerance.distance * 1.0000001;
+      double nearest = farthest * 1.0000001;
       bool found = false;
       grid.ForEachNear(p, p, [&](int id) {
         const Vector2d c = on.corners[on.walls[id].from].point, d = on.corners[on.walls[id].to].point;
@@ -40,17 +55,18 @@ double ShareOnWalls(const prior::PlanGraph& of, const prior::PlanGraph& on, cons
         if (cosine < std::cos(tolerance.angle)) return;
         const double share = std::clamp((p - c).dot(d - c) / (d - c).squaredNorm(), 0.0, 1.0);
         const double distance = (c + share * (d - c) - p).norm();
-        if (distance > nearest) return;
+        if (distance > nearest || distance > 1.0000001 * std::max(reach(wall), reach(on.walls[id]))) return;
         nearest = distance;
         found = true;
       });
-      ++all;
-      if (!found) continue;
-      ++met;
-      if (errors != nullptr) errors->push_back(nearest);
+      if (found) {
+        sampled.distances.push_back(nearest);
+      } else {
+        sampled.off.push_back(p);
+      }
     }
   }
-  return all > 0 ? static_cast<double>(met) / all : 0;
+  return sampled;
 }
 
 // Ends, and where walls of different directions meet; near ones are one.
@@ -107,12 +123,41 @@ std::vector<Vector2d> MiddlesOfDoors(const prior::PlanGraph& plan) {
 }  // namespace
 
 PlanScore ScoreWalls(const prior::PlanGraph& found, const prior::PlanGraph& expected, const PlanTolerance& tolerance) {
-  PlanScore score;
-  std::vector<double> errors;
-  score.recall = ShareOnWalls(expected, found, tolerance, &errors);
-  score.precision = ShareOnWalls(found, expected, tolerance, nullptr);
-  score.median_error = Median(errors);
-  return score;
+  const SampledWalls on_found = SampleWalls(expected, found, tolerance);
+  return {.recall = on_found.ShareOn(),
+          .precision = SampleWalls(found, expected, tolerance).ShareOn(),
+          .median_error = Median(on_found.distances)};
+}
+
+std::vector<Vector2d> SamplesOffWalls(const prior::PlanGraph& of, const prior::PlanGraph& on,
+                                      const PlanTolerance& tolerance) {
+  return SampleWalls(of, on, tolerance).off;
+}
+
+double ShareOfDoubleWalls(const prior::PlanGraph& plan, double step, double reach) {
+  prior::SegmentGrid grid(std::max(reach, 1e-6));
+  const auto from = [&](int wall) { return plan.corners[plan.walls[wall].from].point; };
+  const auto to = [&](int wall) { return plan.corners[plan.walls[wall].to].point; };
+  for (int i = 0; i < static_cast<int>(plan.walls.size()); ++i) grid.Add(i, from(i), to(i));
+  int all = 0, doubled = 0;
+  for (int i = 0; i < static_cast<int>(plan.walls.size()); ++i) {
+    const Vector2d direction = (to(i) - from(i)).normalized();
+    const int samples = std::max(1, static_cast<int>((to(i) - from(i)).norm() / step));
+    for (int k = 0; k < samples; ++k) {
+      const Vector2d p = from(i) + (to(i) - from(i)) * ((k + 0.5) / samples);
+      bool beside = false;
+      grid.ForEachNear(p, p, [&](int other) {
+        const Vector2d along = to(other) - from(other);
+        if (other == i || std::abs(direction.dot(along.normalized())) < std::cos(PlanTolerance().angle)) return;
+        const double share = (p - from(other)).dot(along) / along.squaredNorm();
+        const Vector2d foot = from(other) + share * along;
+        beside = beside || (share >= 0 && share <= 1 && (foot - p).norm() <= reach);
+      });
+      ++all;
+      doubled += beside ? 1 : 0;
+    }
+  }
+  return all > 0 ? static_cast<double>(doubled) / all : 0;
 }
 
 PlanScore ScoreCorners(const prior::PlanGraph& found, const prior::PlanGraph& expected,

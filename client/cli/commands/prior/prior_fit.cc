@@ -124,7 +124,7 @@ absl::Status WriteFiles(const PriorFitOptions& options, const prior::PlanGraph& 
   ENFILADE_ASSIGN_OR_RETURN(const grid::MapFile picture, prior::PictureFile(plan, fit));
   ENFILADE_RETURN_IF_ERROR(WriteAll(directory, {picture}));
   if (options.points.empty()) return absl::OkStatus();
-  return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, *fit.corrected));
+  return io::WriteFile(directory / "points.csv", WriteLocatedPoints(points, plan, *fit.corrected));
 }
 
 nlohmann::json InputReport(const std::string& input, const prior::FittedMap& map) {
@@ -189,7 +189,8 @@ absl::Status RunPriorFit(const Globals& globals, const PriorFitOptions& options)
   }
   ENFILADE_ASSIGN_OR_RETURN(const perception::ReadPlanOptions reading, ToReadOptions(options.plan));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, perception::ReadPlan(options.plan.path, reading));
-  ENFILADE_ASSIGN_OR_RETURN(const prior::FitOptions fitting, ToFitOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(prior::FitOptions fitting, ToFitOptions(options));
+  for (prior::ControlPair& pair : fitting.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   std::optional<prior::MapWithPlan> with_plan;
   std::vector<grid::OccupancyGrid> maps;
   if (options.correct_map) {

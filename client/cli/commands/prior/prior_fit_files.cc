@@ -61,10 +61,11 @@ absl::StatusOr<std::vector<Eigen::Vector2d>> ReadSheetPoints(const std::filesyst
   return points;
 }
 
-std::string WriteLocatedPoints(const std::vector<Eigen::Vector2d>& points, const prior::CorrectedPlan& corrected) {
+std::string WriteLocatedPoints(const std::vector<Eigen::Vector2d>& points, const prior::PlanGraph& plan,
+                               const prior::CorrectedPlan& corrected) {
   std::string text = "plan_x_px,plan_y_px,input_x_m,input_y_m,sigma_m,state\n";
   for (const Eigen::Vector2d& point : points) {
-    const prior::CorrectedPoint located = corrected.Locate(point);
+    const prior::CorrectedPoint located = corrected.Locate(prior::ToSheet(plan, point));
     text += fmt::format("{},{},{:.4f},{:.4f},{:.4f},{}\n", point.x(), point.y(), located.point.x(), located.point.y(),
                         located.sigma, prior::NameOf(located.sight));
   }

@@ -20,5 +20,6 @@ absl::StatusOr<std::vector<prior::ControlPair>> ReadPairs(const std::filesystem:
 absl::StatusOr<std::vector<Eigen::Vector2d>> ReadSheetPoints(const std::filesystem::path& path);
 
 // plan_x_px,plan_y_px,input_x_m,input_y_m,sigma_m,state
-std::string WriteLocatedPoints(const std::vector<Eigen::Vector2d>& points, const prior::CorrectedPlan& corrected);
+std::string WriteLocatedPoints(const std::vector<Eigen::Vector2d>& points, const prior::PlanGraph& plan,
+                               const prior::CorrectedPlan& corrected);
 }  // namespace enfilade::cli

@@ -8,7 +8,9 @@
 #include "client/cli/commands/prior/plan_options.h"
 #include "client/cli/commands/prior/plan_overlay.h"
 #include "client/cli/output.h"
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/grid/files/png_codec.h"
 #include "core/prior/formats/geojson_plan.h"
 #include "core/prior/plan/directions.h"
 #include "io/file.h"
@@ -21,6 +23,7 @@ struct PriorImportOptions {
   PlanOptions plan;
   std::string output;
   std::string plot;
+  std::string sheet;
 };
 
 nlohmann::json SummaryOf(const perception::PlanFile& file) {
@@ -61,6 +64,15 @@ absl::Status RunPriorImport(const Globals& globals, const PriorImportOptions& op
     ENFILADE_ASSIGN_OR_RETURN(const std::string png, grid::EncodePng(DrawPlan(file.graph, file.picture)));
     ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.plot, png));
   }
+  if (!options.sheet.empty()) {
+    if (!file.picture) return InvalidArgument("prior import: --sheet needs a picture, {} is none", options.plan.path);
+    ENFILADE_ASSIGN_OR_RETURN(const std::string png,
+                              grid::EncodePng(grid::PixelImage{.width = file.picture->width,
+                                                               .height = file.picture->height,
+                                                               .channels = 1,
+                                                               .samples = file.picture->pixels}));
+    ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.sheet, png));
+  }
   PrintSummary(globals, file);
   return absl::OkStatus();
 }
@@ -74,6 +86,8 @@ void AddPriorImport(CLI::App& prior, const Globals& globals) {
   AddPlanOptions(*command, options->plan);
   command->add_option("-o,--output", options->output, "Write the plan as GeoJSON (docs/prior_maps.md)");
   command->add_option("--plot", options->plot, "Write a PNG: what was read, over the picture");
+  command->add_option("--sheet", options->sheet,
+                      "Write a PNG of the picture as it was read: grey, upright, the photo of a page rectified");
   command->footer(
       "Examples:\n  enfilade prior import floor.png -o walls.geojson --plot walls.png\n"
       "  enfilade prior import floor.png --measure 120,40,480,40=7.2 --json\n"

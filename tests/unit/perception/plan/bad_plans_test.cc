@@ -2,6 +2,7 @@
 // Files that are no plans, or unusual ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <turbojpeg.h>
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
@@ -95,6 +96,26 @@ TEST(UnusualPlans, DeepAndTransparentPicturesAreReadLikeOthers) {
     ASSERT_TRUE(plan.ok()) << plan.status();
     EXPECT_NEAR(static_cast<double>(plan->graph.walls.size()), static_cast<double>(walls), 3);
   }
+}
+
+TEST(UnusualPlans, CmykIsReadLikeOthers) {
+  const cv::Mat drawn = DrawnMat();
+  std::vector<std::uint8_t> inks;  // inverted, as Adobe stores them: black alone
+  for (int y = 0; y < drawn.rows; ++y) {
+    for (int x = 0; x < drawn.cols; ++x) inks.insert(inks.end(), {255, 255, 255, drawn.at<std::uint8_t>(y, x)});
+  }
+  const tjhandle encoder = tjInitCompress();
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  ASSERT_EQ(tjCompress2(encoder, inks.data(), drawn.cols, 0, drawn.rows, TJPF_CMYK, &bytes, &size, TJSAMP_444, 95, 0),
+            0);
+  const std::string jpeg(reinterpret_cast<const char*>(bytes), size);
+  tjFree(bytes);
+  tjDestroy(encoder);
+  const auto plan = DecodePlan(jpeg);
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_NEAR(static_cast<double>(plan->graph.walls.size()),
+              static_cast<double>(DecodePlan(enfilade::testing::DrawPlan().png)->graph.walls.size()), 3);
 }
 
 TEST(UnusualPlans, JpegIsTurnedAsItSays) {

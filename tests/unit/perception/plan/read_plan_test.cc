@@ -4,15 +4,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <string>
+#include <utility>
 
+#include "core/prior/formats/building_plan.h"
 #include "core/prior/formats/geojson_plan.h"
+#include "core/prior/formats/svg_plan.h"
 #include "core/prior/plan/planar.h"
 #include "fmt/format.h"
 #include "io/file.h"
 #include "tests/support/plans/drawn_plan.h"
 #include "tests/support/plans/plan_scores.h"
+#include "tests/support/test_data.h"
 
 namespace enfilade::perception {
 namespace {
@@ -78,6 +84,49 @@ TEST(ReadPlan, GivesTheSamePlanAfterItWasWritten) {
   const auto again = ReadPlan(path);
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(prior::WriteGeoJsonPlan(*again), prior::WriteGeoJsonPlan(plan->graph));
+}
+
+TEST(ReadPlan, GivesTheSameWallsInEveryFormatThatItIsWrittenIn) {
+  const DrawnPlan drawn = enfilade::testing::DrawPlan({.turn_deg = 17});
+  const PlanMeasure measure{.from = {0, 0}, .to = {25, 0}, .metres = 1};
+  const auto plan = DecodePlan(drawn.png, {.measure = measure});
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  const double metres = *plan->graph.metres_per_unit;
+  const std::pair<std::string, ReadPlanOptions> files[] = {{prior::WriteGeoJsonPlan(plan->graph), {}},
+                                                           {prior::WriteSvgPlan(plan->graph), {.measure = measure}},
+                                                           {prior::WriteBuildingPlan(plan->graph, "L1", metres), {}}};
+  for (const auto& [bytes, options] : files) {
+    SCOPED_TRACE(bytes.substr(0, 20));
+    const auto again = DecodePlan(bytes, options);
+    ASSERT_TRUE(again.ok()) << again.status();
+    EXPECT_NEAR(*again->graph.metres_per_unit, metres, 1e-9);
+    ASSERT_EQ(again->graph.walls.size(), plan->graph.walls.size());
+    EXPECT_EQ(again->graph.corners.size(), plan->graph.corners.size());
+    EXPECT_EQ(again->graph.doors.size(), plan->graph.doors.size());
+    // Each wall, to 1 mm at both ends.
+    for (const prior::PlanWall& wall : plan->graph.walls) {
+      const Eigen::Vector2d a = plan->graph.corners[wall.from].point, b = plan->graph.corners[wall.to].point;
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const prior::PlanWall& other : again->graph.walls) {
+        const Eigen::Vector2d c = again->graph.corners[other.from].point, d = again->graph.corners[other.to].point;
+        nearest =
+            std::min({nearest, std::max((a - c).norm(), (b - d).norm()), std::max((a - d).norm(), (b - c).norm())});
+      }
+      EXPECT_LE(nearest * metres, 0.001);
+    }
+  }
+}
+
+TEST(ReadPlan, HasAllDoorsAndLiftsOfTheHotelOfTheRmfDemos) {
+  ENFILADE_RECORDING_OR_SKIP(path, "maps/rmf_demos/hotel.building.yaml");
+  std::size_t doors = 0;
+  for (const char* level : {"L1", "L2", "L3"}) {
+    const auto plan = ReadPlan(path, {.level = level});
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    EXPECT_EQ(plan->shafts.size(), 2u) << level;
+    doors += plan->doors.size();
+  }
+  EXPECT_EQ(doors, 19u);
 }
 
 TEST(ReadPlan, TakesTheScaleFromAMeasuredLine) {
