@@ -228,13 +228,20 @@ class PlanReader {
                   .confidence = ValueOf(properties, "confidence", 1.0)};
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<Vector2d> points, PointsOf(coordinates, 2));
     if (frame_ == Frame::kSheet && points.size() == 2 && IsGiven(properties, "from") && IsGiven(properties, "to")) {
-      ENFILADE_ASSIGN_OR_RETURN(wall.from, CornerOf(properties["from"]));
-      ENFILADE_ASSIGN_OR_RETURN(wall.to, CornerOf(properties["to"]));
+      wall.from = CornerOf(properties["from"]);
+      wall.to = CornerOf(properties["to"]);
       named_.push_back({plan_.walls.size(), wall, points});
       return absl::OkStatus();
     }
     AddWalls(points, wall);
     return absl::OkStatus();
+  }
+
+  // -1: no number of a corner. Other programs write 3 as 3.0, too.
+  static int CornerOf(const Json& member) {
+    const auto number = member.get<double>();
+    const bool is_index = number >= 0 && number <= std::numeric_limits<int>::max() && number == std::floor(number);
+    return is_index ? static_cast<int>(number) : -1;
   }
 
   // A wall that names its corners has them, if they are where its line ends; else the line counts, which a person may
@@ -256,14 +263,6 @@ class PlanReader {
       }
     }
     plan_.walls.insert(plan_.walls.end(), others.begin() + static_cast<std::ptrdiff_t>(next), others.end());
-  }
-
-  static absl::StatusOr<int> CornerOf(const Json& number) {
-    constexpr std::int64_t kMost = std::numeric_limits<int>::max();
-    if (!number.is_number_integer() || number.get<std::int64_t>() < 0 || number.get<std::int64_t>() > kMost) {
-      return InvalidArgument("from or to is not the number of a corner");
-    }
-    return number.get<int>();
   }
 
   void AddWalls(const std::vector<Vector2d>& points, PlanWall wall) {

@@ -262,7 +262,9 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& 
   for (const prior::ControlPair& pair : options.pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
   }
-  if (placement.accepted_state == storage::PriorMapState::kActive) {
+  const bool is_put_to_use =
+      placement.accepted_state == storage::PriorMapState::kActive && prior_map.state != storage::PriorMapState::kActive;
+  if (is_put_to_use) {
     ENFILADE_ASSIGN_OR_RETURN(PlansBeside beside, FindPlansBeside(context, prior_maps_, blobs_, prior_map, ties));
     if (beside.same_area) {
       aligned.outcome.state = storage::PriorMapState::kProposed;

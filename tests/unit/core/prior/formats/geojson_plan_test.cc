@@ -145,21 +145,28 @@ INSTANTIATE_TEST_SUITE_P(
               R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
                 "properties":{"name":7},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,0]]]}}]})",
               "feature 0: "},
-        Fault{"CornerOfFractions",
-              R"({"type":"FeatureCollection","frame":"sheet","features":[{"type":"Feature",
-                "properties":{"kind":"wall","from":0.5,"to":1e300},"geometry":{"type":"LineString","coordinates":[]}}]})",
-              "feature 0: from or to"},
         Fault{"Frame", Document(R"("frame":"feet",)", "LineString", "[[1,2],[3,4]]"), "frame is \"feet\""},
         Fault{"SelfCrossing", Document(R"("frame":"metres",)", "Polygon", "[[[0,0],[4,4],[4,0],[0,4],[0,0]]]"),
               "crosses itself"}),
     [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST(GeoJsonPlan, WhatIsNoNumberOfACornerLeavesTheLine) {
+  for (const char* from : {"0.5", "-1", "1e300", "99999999999999999999", "7"}) {
+    const auto plan = ReadGeoJsonPlan(fmt::format(
+        R"({{"type":"FeatureCollection","frame":"sheet","features":[{{"type":"Feature","properties":{{"kind":"wall",
+        "from":{},"to":1}},"geometry":{{"type":"LineString","coordinates":[[0,0],[3,4]]}}}}]}})",
+        from));
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    EXPECT_EQ(WallLength(*plan), 5);
+  }
+}
 
 TEST(GeoJsonPlan, RefusesMoreThanAMillionWalls) {
   std::string positions = "[0,0]";
   for (int i = 0; i < 500'001; ++i) positions += ",[1,1],[0,0]";
   const auto plan = ReadGeoJsonPlan(Document(R"("frame":"metres",)", "LineString", "[" + positions + "]"));
   EXPECT_EQ(plan.status().code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("1000000 at most"));
+  EXPECT_THAT(std::string(plan.status().message()), HasSubstr("1000000 walls"));
 }
 
 }  // namespace
