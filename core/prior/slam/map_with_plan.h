@@ -23,16 +23,13 @@ struct MapWithPlan {
 // Maps a log by SLAM, places the plan in the map (FitPlan), and corrects the map by it (docs/plan_slam.md):
 //
 // 1. The map is cut into pieces (CutIntoPieces), and the graph of these is solved with the plan (SolvePieces), in
-// rounds: the
-//    map is drawn again, and the walls that each piece has seen of the plan are looked for from scratch.
+//    rounds: the map is drawn again, and the walls that each piece has seen of the plan are looked for from scratch.
 // 2. Where the plan explains little of SLAM's map, or has another size there than by the pairs, SLAM got lost: the
-// robot is
-//    tracked through the plan (TrackInPlan), and the log mapped again with this path as its odometry.
+//    robot is tracked through the plan (TrackInPlan), and the log mapped again with this path as its odometry.
 //
 // The result is taken only if the map then agrees more with itself (walls that were seen again lie where they did), or
 // far more with the plan; if at most a third of the drive had to be bent; if loop closures still agree; and if most
-// walls fit (graph::SolveWithPlans). Deterministic. Errors as FitPlan's; DATA_LOSS never, since the submaps are SLAM's
-// own.
+// walls fit (graph::SolveWithPlans). Deterministic. Errors as FitPlan's.
 absl::StatusOr<MapWithPlan> MapLogWithPlan(const PlanGraph& plan, const std::vector<sensor::PairedScan>& scans,
                                            const FitOptions& fitting, const slam::SlamOptions& options);
 
