@@ -229,6 +229,8 @@ absl::Status Set(const Settings& settings, prior::PlanLocalizerOptions& options)
                                                   {"confident_sigma", &options.confident_sigma},
                                                   {"confident_match", &options.confident_match},
                                                   {"most_recovered", &options.most_recovered},
+                                                  {"survey_share", &options.survey_share},
+                                                  {"global_aligned", &options.global_aligned},
                                                   {"recent", &options.recent}};
   for (const auto& [name, value] : settings) {
     if (name == "most_unsure") {

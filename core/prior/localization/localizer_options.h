@@ -63,6 +63,12 @@ struct PlanLocalizerOptions {
   int most_global = 4'000'000;   // ... but at most
   double global_sigma = 0.45;    // m, of walls when they are tried
   double global_beams = 6;       // effective ones, each time
+  double global_aligned = 0.75;  // share of the places that are turned so that walls have the directions of the plan's
+  // After a start anywhere the robot is looked for everywhere again and again: whoever is not among the particles would
+  // never be found. Nothing is certain before the second time.
+  double survey_distance = 4.0;  // m between two times ...
+  double survey_until = 30.0;    // ... up to so many
+  double survey_share = 0.1;     // of all weight, of what is found
 
   // --- Particles (D. Fox, "Adapting the sample size in particle filters through KLD-sampling", 2003).
   int fewest_particles = 500;
@@ -85,7 +91,8 @@ struct PlanLocalizerOptions {
   double confident_sigma = 0.6;     // m, in the least certain direction
   double confident_yaw = 0.2;       // rad
   double confident_match = 0.5;     // share of hits within two standard deviations of a wall, lately
-  double confident_distance = 4.0;  // m for which all of that must have held
+  double confident_distance = 3.0;  // m for which all of that must have held
+  double lasting_mass = 0.8;        // that a mode needs to stay confident
   // Added to a mode's covariance: where a place of the building is in a plan is no more certain than this.
   double sigma_floor = 0.02;  // m
   double yaw_floor = 0.005;   // rad

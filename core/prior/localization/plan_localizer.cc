@@ -16,9 +16,11 @@
 namespace enfilade::prior {
 namespace {
 
-constexpr double kLargestLog = 0.5;       // of scale and stretch
-constexpr double kGateQuantile = 16.27;   // 99.9 % of chi squared with three degrees of freedom
-constexpr double kMatchedGain = 0.15;     // for the mean of what was seen at the last looks
+constexpr double kLargestLog = 0.5;      // of scale and stretch
+constexpr double kGateQuantile = 16.27;  // 99.9 % of chi squared with three degrees of freedom
+constexpr double kMatchedGain = 0.15;    // for the mean of what was seen at the last looks
+constexpr double kSurveyDensity = 400;   // places tried per square metre
+constexpr std::uint64_t kSurveyRound = 1;
 constexpr double kRecoveryDensity = 200;  // places tried per square metre
 
 enum class FilterDraw : std::uint64_t { kMotion = 1, kResample = 2, kRecover = 3 };
@@ -82,6 +84,7 @@ void PlanLocalizer::Start(const Pose2& T_map_robot) {
   } else if (travelled_ >= options_.global_distance) {
     particles_ = StartAnywhere(field_, RecentPoints(T_map_robot), most, 0, options_.global_density, options_);
   }
+  surveyed_ = travelled_;
   since_update_ = 0;
   turned_ = 0;
 }
@@ -130,6 +133,22 @@ void PlanLocalizer::Weigh(const PlanLook& look) {
   slow_ = slow_ > 0 ? slow_ + options_.alpha_slow * (mean - slow_) : mean;
   fast_ = fast_ > 0 ? fast_ + options_.alpha_fast * (mean - fast_) : mean;
   if (EffectiveCount(particles_) < 0.5 * static_cast<double>(particles_.size())) Resample();
+  const bool surveying = pairs_.empty() && options_.survey_share > 0 && travelled_ <= options_.survey_until;
+  if (surveying && travelled_ - surveyed_ >= options_.survey_distance) Survey();
+}
+
+void PlanLocalizer::Survey() {
+  surveyed_ = travelled_;
+  ++surveys_;
+  const auto count = static_cast<std::size_t>(options_.survey_share * static_cast<double>(particles_.size()));
+  if (count == 0 || !T_map_last_) return;
+  std::vector<PlanParticle> found =
+      StartAnywhere(field_, RecentPoints(*T_map_last_), count, Mix(step_, kSurveyRound), kSurveyDensity, options_);
+  for (PlanParticle& particle : particles_) particle.weight *= 1 - options_.survey_share;
+  for (PlanParticle& particle : found) {
+    particle.weight *= options_.survey_share;
+    particles_.push_back(particle);
+  }
 }
 
 void PlanLocalizer::Resample() {
@@ -181,13 +200,13 @@ PlanPosterior PlanLocalizer::Report(const PlanLook& look) {
   const double matched = hits.MatchedAt(field_, best.mean);
   matched_ = matched_ > 0 ? matched_ + kMatchedGain * (matched - matched_) : matched;
   posterior.matched = matched_;
-  if (best.mass < options_.confident_mass || !IsNarrow(best, options_)) {
+  if (best.mass < (sure_ ? options_.lasting_mass : options_.confident_mass) || !IsNarrow(best, options_)) {
     holding_since_.reset();
   } else if (!holding_since_) {
     holding_since_ = travelled_;
   }
   sure_ = holding_since_ && travelled_ - *holding_since_ >= options_.confident_distance &&
-          matched_ >= options_.confident_match;
+          matched_ >= options_.confident_match && (!pairs_.empty() || options_.survey_share <= 0 || surveys_ >= 2);
   if (sure_) last_sure_ = travelled_;
   posterior.confident = sure_;
   return posterior;

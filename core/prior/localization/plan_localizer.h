@@ -62,6 +62,7 @@ class PlanLocalizer {
   void Move(const Pose2& motion);
   void Weigh(const PlanLook& look);
   void Resample();
+  void Survey();
   PlanPosterior Report(const PlanLook& look);
   std::vector<Eigen::Vector2d> RecentPoints(const Pose2& T_map_robot) const;
 
@@ -77,6 +78,8 @@ class PlanLocalizer {
   std::uint64_t step_ = 0;
   double slow_ = 0;  // means of the likelihood, for the recovery
   double fast_ = 0;
+  double surveyed_ = 0;                  // m: where it was looked for everywhere
+  int surveys_ = 0;                      // how often, since the start
   double matched_ = 0;                   // as in PlanPosterior
   bool sure_ = false;                    // one mode was confident at the last look
   std::optional<double> last_sure_;      // m: where one was at last

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/prior/localization/plan_start.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,8 @@
 #include "core/base/error.h"
 #include "core/base/noise.h"
 #include "core/base/status_macros.h"
+#include "core/prior/localization/ndt_map.h"
+#include "core/prior/plan/directions.h"
 
 namespace enfilade::prior {
 namespace {
@@ -130,12 +133,34 @@ std::vector<PlanParticle> StartAtPairs(const PlanField& field, const std::vector
 
 namespace {
 
-PlanState AnyPlace(const PlanField& field, Noise noise, const PlanLocalizerOptions& options) {
+// The direction that most walls have, by the long cells of the normal distributions of what was seen, rad.
+std::optional<double> DirectionOf(const std::vector<Eigen::Vector2d>& seen, const PlanLocalizerOptions& options) {
+  constexpr double kLong = 10;  // ratio of variances
+  std::vector<WeightedDirection> lines;
+  for (const NdtCell& cell : NdtOf(seen, options.cell)) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(cell.covariance);
+    if (solver.eigenvalues().y() < kLong * solver.eigenvalues().x()) continue;
+    lines.push_back({solver.eigenvectors().col(1), static_cast<double>(cell.points)});
+  }
+  if (lines.empty()) return std::nullopt;
+  const std::vector<double> directions = DominantDirections(lines);
+  return directions.empty() ? std::nullopt : std::optional(directions.front());
+}
+
+// `direction`: that most walls have in the robot's frame; along the plan's axis or across it in most places.
+PlanState AnyPlace(const PlanField& field, const std::optional<double>& direction, Noise noise,
+                   const PlanLocalizerOptions& options) {
+  constexpr double kTurnSigma = 0.05;  // rad
   PlanState state;
   state.x = noise.Uniform(field.min().x(), field.max().x());
   state.y = noise.Uniform(field.min().y(), field.max().y());
   state.yaw = noise.Uniform(-M_PI, M_PI);
   state.mirrored = noise.Chance(options.mirrored_share);
+  if (direction && noise.Chance(options.global_aligned)) {
+    const double quarters = noise.Below(4) * M_PI / 2;
+    const double turned = state.mirrored ? *direction : -*direction;
+    state.yaw = WrapAngle(field.axis() + turned + quarters + kTurnSigma * noise.Normal());
+  }
   DrawScales(state, noise, options);
   return state;
 }
@@ -181,8 +206,9 @@ std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vecto
   const Eigen::Vector2d size = field.max() - field.min();
   const auto tried = static_cast<std::size_t>(
       std::clamp(density * size.x() * size.y(), static_cast<double>(count), static_cast<double>(options.most_global)));
+  const std::optional<double> direction = DirectionOf(seen, options);
   const auto place = [&](std::size_t i) {
-    return AnyPlace(field, NoiseOf(options, Draw::kPlaces, Mix(round, i)), options);
+    return AnyPlace(field, direction, NoiseOf(options, Draw::kPlaces, Mix(round, i)), options);
   };
   std::vector<float> logs(tried);
   for (std::size_t i = 0; i < tried; ++i) logs[i] = static_cast<float>(widely.LogAt(field, place(i)));
