@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "perception/plan/opencv_page.h"
+#include "perception/plan/opencv_sheet.h"
 #include "perception/plan/stroke_graph.h"
 
 namespace enfilade::perception {
