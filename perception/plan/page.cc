@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "perception/plan/opencv_page.h"
+#include "perception/plan/opencv_sheet.h"
 #include "perception/plan/stroke_graph.h"
 
 namespace enfilade::perception {
@@ -149,8 +149,9 @@ bool HasUnevenBackground(const cv::Mat& brightness, const Quadrilateral& page) {
   return around[around.size() * 19 / 20] - around[around.size() / 20] >= kUneven;
 }
 
-// Width by height of the rectangle that is seen as this quadrilateral. The focal length is kept between those of usual
-// cameras (22 and 90 mm on 35 mm film): where opposite sides are nearly parallel, corners do not tell it.
+// Width by height of the rectangle that is seen as this quadrilateral. Where two opposite sides are nearly parallel,
+// the corners do not tell the focal length: it is taken as usual (30 mm on 35 mm film); else it is kept between 22 and
+// 90 mm.
 double AspectRatio(const Quadrilateral& page, const cv::Size& picture) {
   const auto ray = [&](int i) {
     return cv::Vec3d(page[i].x - (picture.width - 1) / 2.0, page[i].y - (picture.height - 1) / 2.0, 1);
@@ -162,8 +163,11 @@ double AspectRatio(const Quadrilateral& page, const cv::Size& picture) {
   const double diagonal = std::hypot(picture.width, picture.height);
   constexpr double kShortest = 0.5, kUsual = 0.7, kLongest = 2.1;  // of the diagonal
   double focal = kUsual * diagonal;
+  // How much nearer to each other the far ends of two opposite sides are: what is less drowns in the corners' errors.
+  constexpr double kVanishing = 0.15;
+  const auto vanishing = [&](const cv::Vec3d& n) { return std::abs(n[2]) * diagonal / std::hypot(n[0], n[1]); };
   const double across = -(n2[0] * n3[0] + n2[1] * n3[1]), depth = n2[2] * n3[2];
-  if (across / depth > 0 && std::isfinite(across / depth)) {
+  if (std::min(vanishing(n2), vanishing(n3)) > kVanishing && across / depth > 0) {
     focal = std::clamp(std::sqrt(across / depth), kShortest * diagonal, kLongest * diagonal);
   }
   const auto length = [&](const cv::Vec3d& n) { return std::hypot(n[0] / focal, n[1] / focal, n[2]); };

@@ -7,7 +7,6 @@
 #include "core/base/status_macros.h"
 #include "perception/image/opencv_guard.h"
 #include "perception/plan/opencv_ink.h"
-#include "perception/plan/opencv_page.h"
 #include "perception/plan/opencv_sheet.h"
 #include "perception/plan/opencv_tracing.h"
 #include "perception/plan/wall_doors.h"

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/prior/plan/plan_graph.h"
 #include "perception/image/frame.h"
-#include "perception/plan/plan_measure.h"
+#include "perception/plan/plan_picture.h"
 
 namespace enfilade::perception {
 
