@@ -116,7 +116,9 @@ TEST(FitPlan, RefusesPairsOnAPlanThatIsNotOfTheMap) {
       EXPECT_EQ(fit->alignment.accepted, shown.accepted) << shown.name << " " << seed << ": " << fit->alignment.reason;
       EXPECT_EQ(fit->corrected != nullptr, shown.accepted);
       EXPECT_EQ(fit->maps[0].T_first_map.has_value(), shown.accepted);
-      if (!shown.accepted) EXPECT_THAT(fit->alignment.reason, testing::HasSubstr("at that place"));
+      if (!shown.accepted) {
+        EXPECT_THAT(fit->alignment.reason, testing::HasSubstr("at that place"));
+      }
     }
   }
 }
