@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/prior/plan/plan_graph.h"
 
 namespace enfilade::prior {
 namespace {
