@@ -5,7 +5,6 @@
 #include <system_error>
 
 #include "client/simulator/plan/campus_plan.h"
-#include "client/simulator/plan/deformed_plan.h"
 #include "client/simulator/plan/plan_drawing.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -55,13 +54,11 @@ absl::Status WriteLevel(const Campus& campus, const std::string& level, const Pl
 
 }  // namespace
 
-absl::Status WritePlanFiles(const Campus& campus, std::optional<std::uint64_t> deform_seed,
+absl::Status WritePlanFiles(const Campus& campus, const PlanDeformation& deformation,
                             const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return FailedPrecondition("{}: {}", folder.string(), error.message());
-  PlanDeformation deformation = PlanDeformation::None();
-  if (deform_seed) deformation = {.seed = *deform_seed};
   for (const auto& [level, height] : campus.levels) {
     ENFILADE_RETURN_IF_ERROR(WriteLevel(campus, level, deformation, folder));
   }

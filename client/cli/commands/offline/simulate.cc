@@ -12,6 +12,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/output.h"
 #include "client/simulator/campus/shipped_campuses.h"
+#include "client/simulator/plan/deformed_plan.h"
 #include "client/simulator/plan/plan_files.h"
 #include "client/simulator/plan/plan_picture.h"
 #include "client/simulator/simulation_files.h"
@@ -40,6 +41,7 @@ struct SimulateCommandOptions {
   std::optional<int> laps;
   std::string plan_output;
   std::optional<std::uint64_t> plan_deform;
+  simulator::PlanDeformation plan_errors;  // with plan_deform
   simulator::SimulationOptions simulation;
 };
 
@@ -91,7 +93,10 @@ absl::Status SimulateCampus(const Globals& globals, const SimulateCommandOptions
   }
   ENFILADE_ASSIGN_OR_RETURN(simulator::Campus campus, simulator::LoadCampus(options.campus));
   if (!options.plan_output.empty()) {
-    ENFILADE_RETURN_IF_ERROR(simulator::WritePlanFiles(campus, options.plan_deform, options.plan_output));
+    simulator::PlanDeformation deformation = simulator::PlanDeformation::None();
+    if (options.plan_deform) deformation = options.plan_errors;
+    if (options.plan_deform) deformation.seed = *options.plan_deform;
+    ENFILADE_RETURN_IF_ERROR(simulator::WritePlanFiles(campus, deformation, options.plan_output));
   }
   simulator::ScannerOptions scanner = options.simulation.scanner;
   scanner.field_of_view = kDefaultFieldOfViewDeg * kDegree;
@@ -197,11 +202,33 @@ void AddSimulate(CLI::App& app, const Globals& globals) {
                       "Rounds of each robot's route (default: the campus's; without CAMPUS 2)");
   CLI::Option* plans = command->add_option("--plan-out", options->plan_output,
                                            "Also write floor plans of the campus into this folder, and their truth");
+  CLI::Option* deform =
+      command
+          ->add_option(
+              "--plan-deform", options->plan_deform,
+              "The seed of what is wrong with these plans: scales, corners, doors, walls left out and invented "
+              "(default: they are right)")
+          ->needs(plans);
+  simulator::PlanDeformation& errors = options->plan_errors;
   command
-      ->add_option("--plan-deform", options->plan_deform,
-                   "The seed of what is wrong with these plans: scales, corners, doors, walls left out and invented "
-                   "(default: they are right)")
-      ->needs(plans);
+      ->add_option("--plan-jitter", errors.jitter, "How far their corners are off in x and y, m (standard deviation)")
+      ->needs(deform)
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command
+      ->add_option("--plan-stretch", errors.stretch,
+                   "By how much the strips between walls are too wide (standard deviation of the logarithm)")
+      ->needs(deform)
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command->add_option("--plan-left-out", errors.left_out, "The share of walls that they do not have")
+      ->needs(deform)
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str();
+  command->add_option("--plan-invented", errors.invented, "Walls that are not there, by the number of all")
+      ->needs(deform)
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   AddSensors(*command, options);
   command->footer(
       "Examples:\n"

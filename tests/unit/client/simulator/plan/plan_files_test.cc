@@ -124,7 +124,7 @@ void ExpectSameWalls(const prior::PlanGraph& a, const prior::PlanGraph& b, doubl
 TEST(PlanFiles, AllFormatsHaveTheSameWalls) {
   const TemporaryDirectory directory;
   const Campus campus = LoadCampus("random:7").value();
-  ASSERT_OK(WritePlanFiles(campus, 5, directory.path()));
+  ASSERT_OK(WritePlanFiles(campus, {.seed = 5}, directory.path()));
   const auto read = [&](const char* name) { return io::ReadFile(directory.path() / name).value(); };
   const auto plan = prior::ReadGeoJsonPlan(read("plan.geojson"));
   ASSERT_OK(plan.status());
@@ -145,7 +145,7 @@ TEST(PlanFiles, AllFormatsHaveTheSameWalls) {
 TEST(PlanFiles, EachLevelHasItsPlan) {
   const TemporaryDirectory directory;
   const Campus campus = LoadCampus("levels").value();
-  ASSERT_OK(WritePlanFiles(campus, std::nullopt, directory.path()));
+  ASSERT_OK(WritePlanFiles(campus, PlanDeformation::None(), directory.path()));
   for (const auto& [level, height] : campus.levels) {
     EXPECT_TRUE(std::filesystem::exists(directory.path() / (level + "-filled.png"))) << level;
     const auto plan = prior::ReadGeoJsonPlan(io::ReadFile(directory.path() / (level + ".geojson")).value());
