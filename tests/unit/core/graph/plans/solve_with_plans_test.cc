@@ -10,6 +10,7 @@
 
 #include "core/graph/global_pose.h"
 #include "tests/support/status_assertions.h"
+#include "tests/unit/core/graph/plans/row_of_rooms.h"
 #include "tests/unit/core/graph/scene.h"
 
 namespace enfilade::graph {
@@ -18,125 +19,16 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::L;
-using testing::M;
-using testing::Numbered;
 using ::testing::SizeIs;
-using testing::World;
 
-constexpr double kWidth = 6.0;  // m, of a room
-constexpr double kDepth = 5.0;
-constexpr double kAcross = 0.03;  // m, of what is seen
-constexpr double kYaw = 0.005;    // rad
-
-// Rooms in a row, each with a map of its own in the room's middle, somehow turned: "m0" is the root. Room i has the
-// walls i (its left one) and i + 1, and one below and one above.
-class Row {
- public:
-  Row(int rooms, double corner_sigma, unsigned seed) : rooms_(rooms), random_(seed) {
-    for (int i = 0; i < rooms; ++i) {
-      world_.T_world_maps.push_back({(i + 0.5) * kWidth, 0.5 * kDepth, WrapAngle(0.7 * i)});
-    }
-    const Pose2 root = world_.T_world_maps[0];
-    for (Pose2& T_world_map : world_.T_world_maps) T_world_map = Between(root, T_world_map);
-    for (int i = 0; i <= rooms; ++i) {
-      for (const double y : {0.0, kDepth}) truth_.push_back(Inverse(root) * Eigen::Vector2d(i * kWidth, y));
-    }
-    for (int i = 0; i <= rooms; ++i) ties_.struts.push_back({2 * i, 2 * i + 1, static_cast<int>(ties_.struts.size())});
-    for (int i = 0; i < rooms; ++i) {
-      for (const int side : {0, 1}) {
-        ties_.struts.push_back({2 * i + side, 2 * i + 2 + side, static_cast<int>(ties_.struts.size())});
-      }
-    }
-    for (const Eigen::Vector2d& corner : truth_) {
-      ties_.corners.emplace_back(corner + Eigen::Vector2d(Noise(corner_sigma), Noise(corner_sigma)));
-    }
-    ties_.corner_sigma = std::max(0.02, corner_sigma);
-    bends_.assign(static_cast<std::size_t>(rooms), Eigen::Vector2d::Zero());
-    for (int i = 0; i < rooms; ++i) {
-      ties_.maps.push_back({Map(i), world_.T_world_maps[static_cast<std::size_t>(i)]});
-    }
-  }
-
-  PlanTies& ties() { return ties_; }
-  const World& world() const { return world_; }
-  int Below(int room) const { return rooms_ + 1 + 2 * room; }
-  static MapId Map(int room) { return M(Numbered("m", room)); }
-
-  // Of each room, all walls are off together, m.
-  void Bend(double sigma) {
-    for (Eigen::Vector2d& bend : bends_) bend = {Noise(sigma), Noise(sigma)};
-  }
-  void SeeAll(int room) {
-    for (const int strut : {room, room + 1, Below(room), Below(room) + 1}) See(room, strut);
-  }
-  void See(int room, int strut) {
-    const PlanStrut& ends = ties_.struts[static_cast<std::size_t>(strut)];
-    const Eigen::Vector2d from = truth_[static_cast<std::size_t>(ends.from)];
-    const Eigen::Vector2d way = truth_[static_cast<std::size_t>(ends.to)] - from;
-    const Eigen::Vector2d middle = from + 0.5 * way;
-    const Eigen::Vector2d& bend = bends_[static_cast<std::size_t>(room)];
-    const Pose2 T_world_line{middle.x() + bend.x(), middle.y() + bend.y(), std::atan2(way.y(), way.x())};
-    const Pose2 noise{Noise(0.1), Noise(kAcross), Noise(kYaw)};
-    ties_.sightings.push_back(
-        {.strut = strut,
-         .map = Map(room),
-         .T_map_line = Between(world_.T_world_maps[static_cast<std::size_t>(room)], T_world_line) * noise,
-         .along = 0.0,
-         .length = way.norm(),
-         .across_sigma = kAcross,
-         .yaw_sigma = kYaw});
-  }
-  // A door between a room and the next.
-  LinkPoint Door(int room, double position, double yaw) {
-    const Eigen::Matrix3d covariance =
-        Eigen::Vector3d(position * position, position * position, yaw * yaw).asDiagonal();
-    const Pose2 place = Interpolate(world_.T_world_maps[static_cast<std::size_t>(room)],
-                                    world_.T_world_maps[static_cast<std::size_t>(room + 1)], 0.5);
-    return world_.See(Numbered("d", room), place, {room, room + 1}, {covariance, covariance}, random_);
-  }
-  GraphSnapshot Graph(const std::vector<LinkPoint>& doors) const {
-    const GraphSnapshot graph = testing::Graph(world_.MapIds(), doors);
-    return Apply(graph, {.version = graph.version() + 1,
-                         .plans = std::vector<PlanInGraph>{{PriorMapId("p"), "digest",
-                                                            std::make_shared<const PlanTies>(ties_)}}})
-        .value();
-  }
-  GraphSnapshot WithoutPlan(const std::vector<LinkPoint>& doors) const {
-    return testing::Graph(world_.MapIds(), doors);
-  }
-  // m.
-  double ErrorOf(const SolvedGraph& solution, int room) const {
-    const auto pose = solution.map_poses.find(Map(room));
-    if (pose == solution.map_poses.end()) return 1e9;
-    const Pose2& truth = world_.T_world_maps[static_cast<std::size_t>(room)];
-    return (pose->second.pose.translation() - truth.translation()).norm();
-  }
-  // Squared, in standard deviations.
-  double SurpriseOf(const SolvedGraph& solution, int room) const {
-    const PoseWithCovariance& pose = solution.map_poses.at(Map(room));
-    const Pose2& truth = world_.T_world_maps[static_cast<std::size_t>(room)];
-    const Eigen::Vector3d error(pose.pose.x - truth.x, pose.pose.y - truth.y, WrapAngle(pose.pose.yaw - truth.yaw));
-    return error.dot(pose.covariance.inverse() * error);
-  }
-
- private:
-  double Noise(double sigma) { return std::normal_distribution<double>(0.0, sigma + 1e-12)(random_); }
-
-  int rooms_;
-  std::mt19937_64 random_;
-  World world_;
-  std::vector<Eigen::Vector2d> truth_;  // corners, in the world
-  std::vector<Eigen::Vector2d> bends_;
-  PlanTies ties_;
-};
+using Row = testing::RowOfRooms;
 
 TEST(SolveWithPlansTest, AMapThatNoLinkPointJoinsIsPosed) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Row row(2, 0.1, seed);
     row.SeeAll(0);
     row.SeeAll(1);
-    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph({})));
+    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan({})));
     EXPECT_THAT(solution.disconnected, IsEmpty());
     EXPECT_LT(row.ErrorOf(solution, 1), 0.4);
     ASSERT_THAT(solution.plans, SizeIs(1));
@@ -151,7 +43,7 @@ TEST(SolveWithPlansTest, MapsThatSeeTheSameWallAreTiedByIt) {
     Row row(2, 0.2, seed);
     row.SeeAll(0);
     row.SeeAll(1);
-    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph({})));
+    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan({})));
     const Pose2 truth = row.world().T_world_maps[1];
     ASSERT_THAT(solution.disconnected, IsEmpty()) << "seed " << seed << solution.plans[0].contradiction;
     EXPECT_NEAR(solution.map_poses.at(Row::Map(1)).pose.x, truth.x, 0.2);
@@ -163,7 +55,7 @@ TEST(SolveWithPlansTest, MapsWithoutPlanStayWhereTheyAre) {
   Row row(2, 0.1, 1);
   const std::vector<LinkPoint> doors = {row.Door(0, 0.05, 0.02)};
   ASSERT_OK_AND_ASSIGN(const SolvedGraph without, OptimizeGraph(row.WithoutPlan(doors)));
-  ASSERT_OK_AND_ASSIGN(const SolvedGraph unseen, OptimizeGraph(row.Graph(doors)));  // nobody has seen its walls
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph unseen, OptimizeGraph(row.WithPlan(doors)));  // nobody has seen its walls
   EXPECT_EQ(unseen.map_poses.at(Row::Map(1)).pose, without.map_poses.at(Row::Map(1)).pose);
   EXPECT_THAT(unseen.plans, ElementsAre(PlanUse{.plan = PriorMapId("p")}));
 }
@@ -177,7 +69,7 @@ TEST(SolveWithPlansTest, AChainOfRoomsBendsLess) {
     for (int i = 0; i < 7; ++i) doors.push_back(row.Door(i, 0.03, 1.5 * kDegree));
     for (int i = 0; i < 8; ++i) row.SeeAll(i);
     ASSERT_OK_AND_ASSIGN(const SolvedGraph without, OptimizeGraph(row.WithoutPlan(doors)));
-    ASSERT_OK_AND_ASSIGN(const SolvedGraph with, OptimizeGraph(row.Graph(doors)));
+    ASSERT_OK_AND_ASSIGN(const SolvedGraph with, OptimizeGraph(row.WithPlan(doors)));
     without_plan += row.ErrorOf(without, 7);
     with_plan += row.ErrorOf(with, 7);
     EXPECT_EQ(with.plans[0].contradiction, "") << "seed " << seed;
@@ -193,7 +85,7 @@ TEST(SolveWithPlansTest, CovariancesSayHowFarPosesAreOff) {
     row.Bend(0.03);
     std::vector<LinkPoint> doors = {row.Door(0, 0.05, 1.0 * kDegree)};
     for (int i = 0; i < 3; ++i) row.SeeAll(i);
-    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
+    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan(doors)));
     within += row.SurpriseOf(solution, 2) < 7.815 ? 1 : 0;  // 95 % of chi-squared, 3 degrees of freedom
   }
   EXPECT_GE(within, 0.9 * kSeeds);
@@ -212,7 +104,7 @@ TEST(SolveWithPlansTest, WallsThatAreTakenForOthersAreSwitchedOff) {
       line = line * Pose2{0.0, 1.0, 0.0};
     }
     ASSERT_OK_AND_ASSIGN(const SolvedGraph without, OptimizeGraph(row.WithoutPlan(doors)));
-    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
+    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan(doors)));
     EXPECT_EQ(solution.plans[0].contradiction, "");
     EXPECT_GE(solution.plans[0].switched_off, 5);
     with_plan += row.ErrorOf(solution, 5);
@@ -232,7 +124,7 @@ TEST(SolveWithPlansTest, APlanOfAnotherBuildingChangesNothing) {
       sighting.T_map_line = sighting.T_map_line * Pose2{0.0, testing::Uniform(-2.0, 2.0, random), 0.0};
     }
     ASSERT_OK_AND_ASSIGN(const SolvedGraph without, OptimizeGraph(row.WithoutPlan(doors)));
-    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
+    ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan(doors)));
     EXPECT_NE(solution.plans[0].contradiction, "") << "seed " << seed;
     for (const auto& [map, pose] : without.map_poses) {
       EXPECT_EQ(solution.map_poses.at(map).pose, pose.pose);
@@ -251,7 +143,7 @@ TEST(SolveWithPlansTest, LinkPointsRefuteAPlanThatIsConsistentlyWrong) {
   for (Eigen::Vector2d& corner : row.ties().corners) corner.x() *= 1.1;
   for (WallSighting& sighting : row.ties().sightings) sighting.across_sigma = 0.2;  // so that no single one stands out
   ASSERT_OK_AND_ASSIGN(const SolvedGraph without, OptimizeGraph(row.WithoutPlan(doors)));
-  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan(doors)));
   const double moved = std::abs(solution.map_poses.at(Row::Map(5)).pose.x - without.map_poses.at(Row::Map(5)).pose.x);
   EXPECT_TRUE(!solution.plans[0].contradiction.empty() || moved < 0.05) << moved;
 }
@@ -305,7 +197,7 @@ TEST(SolveWithPlansTest, InACorridorAMapIsNotPosed) {
   Row row(2, 0.1, 1);
   row.SeeAll(0);
   for (const int side : {0, 1}) row.See(1, row.Below(1) + side);  // parallel walls only
-  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph({})));
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan({})));
   EXPECT_THAT(solution.disconnected, ElementsAre(Row::Map(1)));
   EXPECT_FALSE(solution.map_poses.contains(Row::Map(1)));
 }
@@ -316,7 +208,7 @@ TEST(SolveWithPlansTest, WhatIsJoinedToAPosedMapIsPosedToo) {
   row.SeeAll(0);
   row.SeeAll(2);
   const std::vector<LinkPoint> doors = {row.Door(2, 0.03, 1.0 * kDegree)};
-  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.Graph(doors)));
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(row.WithPlan(doors)));
   EXPECT_THAT(solution.disconnected, ElementsAre(Row::Map(1)));
   EXPECT_LT(row.ErrorOf(solution, 2), 0.6);
   EXPECT_LT(row.ErrorOf(solution, 3), 0.8);
@@ -325,7 +217,7 @@ TEST(SolveWithPlansTest, WhatIsJoinedToAPosedMapIsPosedToo) {
 TEST(SolveWithPlansTest, SolvingAgainChangesNothing) {
   Row row(4, 0.1, 5);
   for (int i = 0; i < 4; ++i) row.SeeAll(i);
-  const GraphSnapshot graph = row.Graph({row.Door(0, 0.03, 1.0 * kDegree)});
+  const GraphSnapshot graph = row.WithPlan({row.Door(0, 0.03, 1.0 * kDegree)});
   ASSERT_OK_AND_ASSIGN(const SolvedGraph first, OptimizeGraph(graph));
   ASSERT_OK_AND_ASSIGN(const GraphSnapshot solved, Apply(graph, ChangesOf(graph, first, graph.version() + 1)));
   ASSERT_OK_AND_ASSIGN(const SolvedGraph second, OptimizeGraph(solved));
