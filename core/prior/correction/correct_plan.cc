@@ -22,7 +22,6 @@ constexpr double kGates[] = {1.2, 0.8, 0.5, 0.4, 0.3};  // m
 constexpr int kReweightings = 3;
 constexpr double kMostSurprise = 6.0;  // chi-squared of a wall that counts fully
 constexpr double kOnWall = 0.3;        // m: what is so near a wall moves with it
-constexpr double kSample = 0.2;        // m
 
 struct Piece {
   int face;
@@ -164,23 +163,16 @@ void CorrectedPlan::Describe() {
   }
   faces_ = MovedFaces(*field_);
   agreement_ = Compare(FaceIndex(faces_, 1.5), evidence_);
-  for (const PlanWall& wall : plan_.walls) {
-    const Eigen::Vector2d from = corners_[static_cast<std::size_t>(wall.from)].point;
-    const Eigen::Vector2d way = corners_[static_cast<std::size_t>(wall.to)].point - from;
-    CorrectedWall corrected;
-    const int samples = std::max(1, static_cast<int>(std::ceil(way.norm() / kSample)));
-    for (int i = 0; i < samples; ++i) {
-      const Sight sight = SightOf(evidence_, from + (i + 0.5) / samples * way);
-      corrected.seen_share += sight == Sight::kSeen ? 1.0 / samples : 0.0;
-      corrected.contradicted_share += sight == Sight::kContradicted ? 1.0 / samples : 0.0;
-    }
-    if (corrected.contradicted_share > 0.5) corrected.sight = Sight::kContradicted;
-    if (corrected.seen_share >= 0.5) corrected.sight = Sight::kSeen;
-    const double before = (T_map_sheet_.linear * (plan_.corners[static_cast<std::size_t>(wall.to)].point -
-                                                  plan_.corners[static_cast<std::size_t>(wall.from)].point))
-                              .norm();
-    corrected.stretch = before > 0 ? way.norm() / before : 1.0;
-    walls_.push_back(corrected);
+  const std::vector<WallFace> placed = CentreLines(plan_, T_map_sheet_);
+  std::vector<WallFace> lines = placed;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    lines[i].from = corners_[static_cast<std::size_t>(plan_.walls[i].from)].point;
+    lines[i].to = corners_[static_cast<std::size_t>(plan_.walls[i].to)].point;
+  }
+  const std::vector<WallSight> sights = SightsOf(lines, faces_, evidence_);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double before = (placed[i].to - placed[i].from).norm();
+    walls_.push_back({sights[i], before > 0 ? (lines[i].to - lines[i].from).norm() / before : 1.0});
   }
 }
 

@@ -10,6 +10,7 @@
 #include "core/prior/alignment/plan_transform.h"
 #include "core/prior/correction/displacement_field.h"
 #include "core/prior/correction/plan_displacement.h"
+#include "core/prior/correction/wall_sight.h"
 #include "core/prior/plan/plan_graph.h"
 
 namespace enfilade::prior {
@@ -19,10 +20,7 @@ struct CorrectedCorner {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // m^2
 };
 
-struct CorrectedWall {
-  Sight sight = Sight::kUnseen;  // of most of it
-  double seen_share = 0;         // of its length
-  double contradicted_share = 0;
+struct CorrectedWall : WallSight {
   double stretch = 1;  // its length by that of the plan as a whole
 };
 
