@@ -161,7 +161,7 @@ TEST(SolveWithPlansTest, EachWallHasItsShareOfAPose) {
   row.SeeAll(0);
   row.SeeAll(1);
   row.ties().sightings.back().across_sigma = 3.0;  // hardly seen
-  const GraphSnapshot graph = row.Graph({});
+  const GraphSnapshot graph = row.WithPlan({});
   ASSERT_OK_AND_ASSIGN(SolvedGraph solution, OptimizeGraph(graph));
   EXPECT_THAT(solution.plan_shares, IsEmpty()) << "nobody has asked";
   const WorldPoses poses(Apply(graph, ChangesOf(graph, std::move(solution), graph.version() + 1)).value());
