@@ -31,7 +31,7 @@ class PriorCommands : public ::testing::Test {
   }
   static grid::OccupancyGrid ReadMap(const std::string& folder, const std::string& name) {
     std::vector<grid::MapFile> files;
-    for (const std::string& extension : {".yaml", ".png"}) {
+    for (const char* extension : {".yaml", ".png"}) {
       std::ifstream in(folder + "/" + name + extension, std::ios::binary);
       files.push_back({name + extension, {std::istreambuf_iterator<char>(in), {}}});
     }

@@ -261,7 +261,7 @@ TEST_F(PriorMapStoreTest, MapsThatAreDeletedLeaveTheAlignment) {
   lab.site = site_;
   lab.id = MapId("lab");
   lab.display_name = "Lab";
-  lab.environment = storage::Environment::kIndoor;
+  lab.environment = Environment::kIndoor;
   ASSERT_OK_AND_ASSIGN(const storage::Map made, maps_.Create(Soon(), lab, {}));
   std::vector<TimeNs> create_times = {maps_.Get(Soon(), site_, map_)->create_time, made.create_time};
   ASSERT_OK(Create("plan", "Ground floor"));
