@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -36,9 +37,6 @@ constexpr double kSelfRange = 10;  // m, between their first keyframes
 constexpr std::size_t kNeighbours = 3;
 constexpr double kSameWall = 0.12;  // m
 constexpr double kLeastSelf = 300;  // points that other pieces know, to say anything
-// From what on SLAM counts as lost.
-constexpr double kLostExplained = 0.35;
-constexpr double kLostContradicted = 0.1;
 // A plan's size in the map may differ from that by the pairs so much, and three deviations of the clicks.
 constexpr double kMostScaleError = 0.05;
 
@@ -57,6 +55,8 @@ struct FittedPieces {
   const Agreement& agreement() const { return alignment.agreement; }
   // What of the map and of the plan the other does not agree with.
   double disagreement() const { return 1 - agreement().explained + agreement().contradicted(); }
+  // And what the map does not agree with itself.
+  double loss() const { return disagreement() + 1 - self; }
 };
 
 void MeasureSelf(FittedPieces& fitted) {
@@ -81,9 +81,11 @@ void MeasureSelf(FittedPieces& fitted) {
   fitted.self = fitted.self_known > 0 ? matched / fitted.self_known : 1;
 }
 
+// Of a log whose odometry is the path through the plan. From scan to scan that is known to a centimetre, and better than
+// by matching: in a bare corridor matches are too short, because what a short-sighted robot sees moves with it.
 slam::SlamOptions GuidedOptions(slam::SlamOptions options) {
-  options.motion.translation_floor = 0.1;
-  options.motion.translation_per_metre = 0.05;
+  options.motion.translation_floor = 0.01;
+  options.motion.translation_per_metre = 0.01;
   options.motion.yaw_floor = 0.02;
   options.motion.yaw_per_metre = 0.01;
   options.motion.yaw_per_radian = 0.05;
@@ -114,12 +116,9 @@ class PlanMapper {
     ENFILADE_RETURN_IF_ERROR(LearnScale());
     ENFILADE_ASSIGN_OR_RETURN(FittedPieces without, Fitted(result.mapped, fit.alignment.T_map_sheet));
     ENFILADE_ASSIGN_OR_RETURN(FittedPieces best, Tied(without));
-    if (IsLost(without)) {
-      ENFILADE_ASSIGN_OR_RETURN(FittedPieces tracked, Tracked(without));
-      const bool is_better =
-          HasWrongScale(best) ? !HasWrongScale(tracked) : tracked.disagreement() < best.disagreement();
-      if (is_better) best = std::move(tracked);
-    }
+    ENFILADE_ASSIGN_OR_RETURN(FittedPieces tracked, Tracked(without));
+    const bool is_better = HasWrongScale(best) ? !HasWrongScale(tracked) : tracked.loss() < best.loss();
+    if (is_better) best = std::move(tracked);
     result.reason = best.objection.empty() ? ObjectionTo(best, without) : best.objection;
     result.corrected = result.reason.empty();
     if (!result.corrected) return result;
@@ -137,11 +136,13 @@ class PlanMapper {
   absl::Status LearnScale() {
     if (fitting_.pairs.empty()) return absl::OkStatus();
     ENFILADE_ASSIGN_OR_RETURN(T_map_sheet_by_pairs_, PlaceByPairs());
-    double apart = 0;
     for (const ControlPair& a : fitting_.pairs) {
-      for (const ControlPair& b : fitting_.pairs) apart = std::max(apart, (a.point_map - b.point_map).norm());
+      for (const ControlPair& b : fitting_.pairs) {
+        const double apart = (a.point_map - b.point_map).norm();
+        if (apart > apart_) far_pairs_ = {a, b}, apart_ = apart;
+      }
     }
-    most_scale_error_ = kMostScaleError + 3 * std::sqrt(2.0) * kClickSigma / apart;
+    most_scale_error_ = kMostScaleError + 3 * std::sqrt(2.0) * kClickSigma / apart_;
     return absl::OkStatus();
   }
 
@@ -152,17 +153,15 @@ class PlanMapper {
     return pairs.T_map_sheet;
   }
 
-  // Of the plan in the map, by the pairs; 1 without pairs.
+  // How long the corrected plan is between the two pairs that lie farthest apart, by what people have shown; 1 without
+  // pairs.
   double ScaleError(const FittedPieces& fitted) const {
-    return T_map_sheet_by_pairs_ ? fitted.alignment.T_map_sheet.scale() / T_map_sheet_by_pairs_->scale() : 1.0;
+    if (!T_map_sheet_by_pairs_) return 1.0;
+    const auto lies = [&](const ControlPair& pair) { return fitted.corrected->Locate(pair.point_sheet).point; };
+    return (lies(far_pairs_[0]) - lies(far_pairs_[1])).norm() / apart_;
   }
   bool HasWrongScale(const FittedPieces& fitted) const {
     return std::abs(std::log(ScaleError(fitted))) > most_scale_error_;
-  }
-
-  bool IsLost(const FittedPieces& fitted) const {
-    return fitted.agreement().explained < kLostExplained || fitted.agreement().contradicted() > kLostContradicted ||
-           HasWrongScale(fitted);
   }
 
   // Why the map is better left as it is; empty: it is not.
@@ -252,7 +251,7 @@ class PlanMapper {
       next.mapped.map = WithPieces(std::move(next.mapped.map), next.cut.pieces, next.T_map_pieces);
       Refit(before->alignment.T_map_sheet, next);
       if (next.objection.empty()) next.objection = ObjectionOfClosures(stated, from.T_map_pieces, next.T_map_pieces);
-      const double loss = next.disagreement() + (1 - next.self) + (next.objection.empty() ? 0 : 10);
+      const double loss = next.loss() + (next.objection.empty() ? 0 : 10);
       last = std::move(next);
       before = &last;
       if (loss < least) {
@@ -347,6 +346,8 @@ class PlanMapper {
   const FitOptions& fitting_;
   const slam::SlamOptions& options_;
   std::optional<PlanTransform> T_map_sheet_by_pairs_;
+  std::array<ControlPair, 2> far_pairs_;
+  double apart_ = 0;             // m, between them in the map
   double most_scale_error_ = 0;  // of its logarithm
 };
 
