@@ -108,7 +108,7 @@ TEST_P(PlanLocalizerModels, IsNotWrongInAMirroredPlan) {
   plan.metres_per_unit = 0.05;
   const PlanField field(plan, 0.05);
   const Outcome outcome = Locate(field, {}, driven, QuickOptions(GetParam()));
-  if (GetParam() == PlanSight::kField) EXPECT_TRUE(outcome.last.confident);
+  EXPECT_TRUE(outcome.last.confident || GetParam() == PlanSight::kNdt);
   for (std::size_t i = 0; i < outcome.steps.size(); ++i) {
     if (!outcome.steps[i].confident) continue;
     const PlanState& mean = outcome.steps[i].modes.front().mean;
