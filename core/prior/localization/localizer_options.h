@@ -24,8 +24,8 @@ enum class BeamSum : std::uint8_t {
 // How a robot is located in a plan that is not corrected. Standard deviations unless said otherwise.
 struct PlanLocalizerOptions {
   std::uint64_t seed = 1;
-  PlanSight sight = PlanSight::kField;
-  bool free_scale = true;  // false: the scale that the start says, the same along both axes
+  PlanSight sight = PlanSight::kField;  // until a place is certain: kField
+  bool free_scale = true;               // false: the scale that the start says, the same along both axes
 
   // --- What robots see.
   int beams = 60;              // of a scan, at most

@@ -118,8 +118,10 @@ void PlanLocalizer::Move(const Pose2& motion) {
 void PlanLocalizer::Weigh(const PlanLook& look) {
   since_update_ = 0;
   turned_ = 0;
+  // Cells say too little of a short drive to tell places from one another.
+  const bool is_placed = last_sure_.has_value();
   const PlanLikelihood likelihood =
-      options_.sight == PlanSight::kNdt
+      options_.sight == PlanSight::kNdt && is_placed
           ? PlanLikelihood::OfCells(NdtOf(RecentPoints(look.T_map_robot), options_.cell), options_)
           : PlanLikelihood::OfHits(look.hits, options_);
   if (likelihood.empty()) return;

@@ -100,15 +100,14 @@ TEST_P(PlanLocalizerModels, FindsTheRobotAnywhereInAPlanAtAWrongScale) {
   EXPECT_FALSE(outcome.last.modes.front().mean.mirrored);
 }
 
-// Normal distributions say less of a short drive than the beams do: they may leave it open.
-TEST_P(PlanLocalizerModels, IsNotWrongInAMirroredPlan) {
+TEST_P(PlanLocalizerModels, FindsTheRobotInAMirroredPlan) {
   const DrivenPlan building{DrawnBuilding()};
   const Driven driven = DriveAlong(building, kWay);
   PlanGraph plan = Mirrored(building.plan);
   plan.metres_per_unit = 0.05;
   const PlanField field(plan, 0.05);
   const Outcome outcome = Locate(field, {}, driven, QuickOptions(GetParam()));
-  EXPECT_TRUE(outcome.last.confident || GetParam() == PlanSight::kNdt);
+  EXPECT_TRUE(outcome.last.confident);
   for (std::size_t i = 0; i < outcome.steps.size(); ++i) {
     if (!outcome.steps[i].confident) continue;
     const PlanState& mean = outcome.steps[i].modes.front().mean;
