@@ -20,8 +20,8 @@ void AddLocalize(CLI::App& app, const Globals& globals);
 // restore | merge | split | undo | rearrangements | delete
 void AddMap(CLI::App& app, const Globals& globals);
 void AddPose(CLI::App& app, const Globals& globals);  // pose global | watch; route
-// prior list | show | add | edit | align | activate | suspend | rename | export | publish | delete; import | fit | locate
-// need no server
+// prior list | show | add | edit | align | activate | suspend | rename | export | publish | delete; import | fit |
+// locate need no server
 void AddPrior(CLI::App& app, const Globals& globals);
 void AddReplay(CLI::App& app, const Globals& globals);
 void AddRobot(CLI::App& app, const Globals& globals);

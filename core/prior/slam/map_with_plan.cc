@@ -81,8 +81,8 @@ void MeasureSelf(FittedPieces& fitted) {
   fitted.self = fitted.self_known > 0 ? matched / fitted.self_known : 1;
 }
 
-// Of a log whose odometry is the path through the plan. From scan to scan that is known to a centimetre, and better than
-// by matching: in a bare corridor matches are too short, because what a short-sighted robot sees moves with it.
+// Of a log whose odometry is the path through the plan. From scan to scan that is known to a centimetre, and better
+// than by matching: in a bare corridor matches are too short, because what a short-sighted robot sees moves with it.
 slam::SlamOptions GuidedOptions(slam::SlamOptions options) {
   options.motion.translation_floor = 0.01;
   options.motion.translation_per_metre = 0.01;

@@ -13,6 +13,7 @@
 #include "storage/postgres/driver/rows.h"
 #include "storage/postgres/graph/graph_versions.h"
 #include "storage/postgres/maps/blob_store.h"
+#include "storage/postgres/maps/prior_map_rows.h"
 
 namespace enfilade::storage {
 namespace {
@@ -23,14 +24,6 @@ using postgres::Params;
 using postgres::Row;
 using postgres::Statement;
 using postgres::Transaction;
-
-// Those of an alignment are empty without one.
-#define ENFILADE_PRIOR_MAP_COLUMNS                                                                                     \
-  "site_id, prior_map_id, display_name, level, state, reason, file_name, warnings, walls, corners, doors, rooms,"      \
-  " shafts, metres_per_unit, etag, create_time, update_time, align_time, coalesce(affine, '{}'),"                      \
-  " coalesce(model, 2::smallint), coalesce(explained, 0), coalesce(contradicted, 0), coalesce(rival_ratio, 0),"        \
-  " coalesce(aligned_maps, '{}'), coalesce(graph_version, 0), coalesce(pair_maps, '{}'), coalesce(pair_points, '{}')," \
-  " coalesce(tied_walls, 0), coalesce(joined_maps, '{}')"
 
 constexpr Statement kInsertPriorMap{
     "creating the prior map",
@@ -97,53 +90,6 @@ constexpr Statement kDeletePriorMap{"deleting the prior map",
 constexpr Statement kListPriorMapFiles{"listing the prior map's files",
                                        "SELECT product, name, size_bytes, sha256 FROM enfilade.prior_map_files"
                                        " WHERE site_id = $1 AND prior_map_id = $2 ORDER BY product, name"};
-
-PriorMapAlignment ReadAlignment(Row& row, TimeNs time) {
-  PriorMapAlignment alignment;
-  alignment.time = time;
-  std::array<double, 6> affine{};
-  row.DoublesInto(absl::MakeSpan(affine));
-  alignment.T_world_sheet.linear << affine[0], affine[1], affine[3], affine[4];
-  alignment.T_world_sheet.offset << affine[2], affine[5];
-  alignment.model = static_cast<prior::TransformModel>(row.Int16() - 1);
-  alignment.explained = row.Double();
-  alignment.contradicted = row.Double();
-  alignment.rival_ratio = row.Double();
-  for (std::string& map : row.OptionalTexts()) alignment.maps.emplace_back(std::move(map));
-  alignment.graph_version = row.Int64();
-  const std::vector<std::string> maps = row.OptionalTexts();
-  const std::vector<double> points = row.Doubles();
-  for (std::size_t i = 0; i < maps.size() && points.size() == 4 * maps.size(); ++i) {
-    const double* point = &points[4 * i];
-    alignment.pairs.push_back({{point[0], point[1]}, MapId(maps[i]), {point[2], point[3]}});
-  }
-  alignment.tied_walls = row.Int32();
-  for (std::string& map : row.OptionalTexts()) alignment.joined_maps.emplace_back(std::move(map));
-  return alignment;
-}
-
-PriorMap ReadPriorMap(Row& row) {
-  PriorMap map;
-  map.site = SiteId(std::string(row.Text()));
-  map.id = PriorMapId(std::string(row.Text()));
-  map.display_name = row.Text();
-  map.level = row.Int32();
-  map.state = static_cast<PriorMapState>(row.Int16());
-  map.reason = row.Text();
-  map.file_name = row.Text();
-  map.warnings = row.OptionalTexts();
-  map.elements.walls = row.Int32();
-  map.elements.corners = row.Int32();
-  map.elements.doors = row.Int32();
-  map.elements.rooms = row.Int32();
-  map.elements.shafts = row.Int32();
-  map.elements.metres_per_unit = row.OptionalDouble();
-  map.etag = row.Int64();
-  map.create_time = row.Time();
-  map.update_time = row.Time();
-  if (const std::optional<TimeNs> time = row.OptionalTime()) map.alignment = ReadAlignment(row, *time);
-  return map;
-}
 
 PriorMapFile ReadFile(Row& row) {
   PriorMapFile file;
@@ -275,13 +221,13 @@ absl::StatusOr<PriorMap> PriorMapStore::Create(const CallContext& context, const
   postgres::QueueBlobs(transaction, map.site, to_store.blobs());
   to_store.Queue(transaction, map.site, map.id);
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOf(map.site, map.id)));
-  return postgres::ReadOne(*inserted, ReadPriorMap, NameOf(map.site, map.id));
+  return postgres::ReadOne(*inserted, postgres::ReadPriorMap, NameOf(map.site, map.id));
 }
 
 absl::StatusOr<PriorMap> PriorMapStore::Get(const CallContext& context, const SiteId& site,
                                             const PriorMapId& id) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kSelectPriorMap, Params(site, id)));
-  return postgres::ReadOne(result, ReadPriorMap, NameOf(site, id));
+  return postgres::ReadOne(result, postgres::ReadPriorMap, NameOf(site, id));
 }
 
 absl::StatusOr<std::vector<PriorMap>> PriorMapStore::List(const CallContext& context, const SiteId& site,
@@ -289,14 +235,14 @@ absl::StatusOr<std::vector<PriorMap>> PriorMapStore::List(const CallContext& con
   ENFILADE_ASSIGN_OR_RETURN(
       const auto result,
       ExecuteAlone(pool_, context, kListPriorMaps, Params(site, page.after, static_cast<std::int64_t>(page.limit))));
-  return postgres::ReadRows(result, ReadPriorMap);
+  return postgres::ReadRows(result, postgres::ReadPriorMap);
 }
 
 absl::StatusOr<std::vector<PriorMap>> PriorMapStore::ListOutgrown(const CallContext& context, std::chrono::seconds age,
                                                                   std::int64_t limit) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto result, ExecuteAlone(pool_, context, kListOutgrown,
                                                             Params(static_cast<std::int64_t>(age.count()), limit)));
-  return postgres::ReadRows(result, ReadPriorMap);
+  return postgres::ReadRows(result, postgres::ReadPriorMap);
 }
 
 absl::StatusOr<PriorMap> PriorMapStore::Rename(const CallContext& context, const SiteId& site, const PriorMapId& id,
@@ -304,7 +250,7 @@ absl::StatusOr<PriorMap> PriorMapStore::Rename(const CallContext& context, const
   const auto updated =
       ExecuteAlone(pool_, context, kRenamePriorMap, Params(site, id, etag, postgres::NewEtag(), display_name));
   if (!updated.ok()) return Explain(updated.status(), site, id, display_name);
-  if (updated->rows() > 0) return postgres::ReadOne(*updated, ReadPriorMap, NameOf(site, id));
+  if (updated->rows() > 0) return postgres::ReadOne(*updated, postgres::ReadPriorMap, NameOf(site, id));
   ENFILADE_RETURN_IF_ERROR(Get(context, site, id).status());
   return postgres::StaleEtag(NameOf(site, id));
 }
@@ -362,7 +308,7 @@ absl::StatusOr<PriorMap> PriorMapStore::SetOutcome(const CallContext& context, c
     ENFILADE_RETURN_IF_ERROR(RaiseVersion(transaction, site, id));
   }
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), name));
-  return postgres::ReadOne(*updated, ReadPriorMap, name);
+  return postgres::ReadOne(*updated, postgres::ReadPriorMap, name);
 }
 
 absl::StatusOr<PriorMap> PriorMapStore::ReplacePlan(const CallContext& context, const SiteId& site,
@@ -390,7 +336,7 @@ absl::StatusOr<PriorMap> PriorMapStore::ReplacePlan(const CallContext& context, 
   to_store.Queue(transaction, site, id);
   if (was_in_use) ENFILADE_RETURN_IF_ERROR(RaiseVersion(transaction, site, id));
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), name));
-  return postgres::ReadOne(*updated, ReadPriorMap, name);
+  return postgres::ReadOne(*updated, postgres::ReadPriorMap, name);
 }
 
 absl::Status PriorMapStore::Delete(const CallContext& context, const SiteId& site, const PriorMapId& id,

@@ -39,8 +39,8 @@ TEST_F(PriorMapTest, APlanIsImportedFoundAndCompleted) {
   std::vector<std::string> names;
   for (const auto& [name, bytes] : files) names.push_back(name);
   EXPECT_THAT(names,
-              UnorderedElementsAre("sheet.geojson", "plan.geojson", "walls.geojson", "walls.svg", "walls.building.yaml", "report.json",
-                                   "planning.png", "planning.yaml", "planning-mask.png", "fit.png"));
+              UnorderedElementsAre("sheet.geojson", "plan.geojson", "walls.geojson", "walls.svg", "walls.building.yaml",
+                                   "report.json", "planning.png", "planning.yaml", "planning-mask.png", "fit.png"));
   EXPECT_EQ(files.at("sheet.geojson"), prior::WriteGeoJsonPlan(prior::DrawnBuilding()));
   EXPECT_THAT(files.at("walls.geojson"), HasSubstr("\"unseen\""));
   ASSERT_OK_AND_ASSIGN(const Files planning, Export({v1::PRIOR_MAP_PRODUCT_PLANNING}));
