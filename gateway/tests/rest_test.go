@@ -131,6 +131,8 @@ func TestOpenapi_ErrorsHaveTheirStatusAndSayWhy(t *testing.T) {
 		{"PUT", "/v1/" + site, `{}`, http.StatusMethodNotAllowed, "PUT"},
 		{"GET", "/v1/" + site + "/blobs/zz", "", http.StatusBadRequest, "sha256"},
 		{"GET", "/v1/" + site + "/maps/hall/files?format=bmp", "", http.StatusBadRequest, "bmp"},
+		// Cut short within one of these characters.
+		{"GET", "/v1/" + site + "/robots/" + strings.Repeat("%E2%89%88", 200) + "/globalPose", "", http.StatusBadRequest, "robot"},
 	} {
 		got := call(t, c.method, c.path, strings.NewReader(c.body), jsonBody)
 		var body struct {
