@@ -80,9 +80,9 @@ TEST_F(PriorCommands, APlanningMapIsPublishedAsARevision) {
   EXPECT_THAT(Try({"prior", "publish", "Ground floor", "--to", "s"}).output, HasSubstr("own site"));
   EXPECT_NE(Try({"prior", "publish", "Ground floor", "--to", "planning"}).exit_code, 0) << "no such site";
   system_.CreateSite("planning");
-  for (const char* revision : {"/revisions/1", "/revisions/2"}) {
+  for (int i = 0; i < 2; ++i) {  // what has not changed is no new revision
     const json published = Run({"prior", "publish", "Ground floor", "--to", "planning"});
-    EXPECT_THAT(published["revision"].get<std::string>(), EndsWith(revision));
+    EXPECT_THAT(published["revision"].get<std::string>(), EndsWith("/revisions/1"));
   }
   Run({"map", "export", "Ground floor", "-o", File("published"), "--format", "png"}, "planning");
   const grid::OccupancyGrid published = ReadMap(File("published"), "Ground-floor");
