@@ -147,10 +147,8 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
       const auto place = poses.Find(map.id);
       if (!place.ok()) continue;  // it was made after this version
       absl::StatusOr<grid::MapRaster> raster = ReadRaster(context, map);
-      if (!raster.ok()) {
-        if (absl::IsNotFound(maps_.Get(context, map.site, map.id).status())) continue;  // it has been deleted meanwhile
-        return raster.status();
-      }
+      if (absl::IsNotFound(raster.status())) continue;  // it has been deleted meanwhile, and perhaps made again
+      ENFILADE_RETURN_IF_ERROR(raster.status());
       ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OnMapLattice(*raster, kLevelCell));
       prior::MapEvidence evidence = prior::EvidenceOf(grid);
       if (*place && !evidence.walls.empty()) {
