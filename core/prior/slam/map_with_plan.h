@@ -24,8 +24,10 @@ struct MapWithPlan {
 //
 // 1. The map is cut into pieces (CutIntoPieces), and the graph of these is solved with the plan (SolvePieces), in
 //    rounds: the map is drawn again, and the walls that each piece has seen of the plan are looked for from scratch.
-// 2. Where the plan explains little of SLAM's map, or has another size there than by the pairs, SLAM got lost: the
-//    robot is tracked through the plan (TrackInPlan), and the log mapped again with this path as its odometry.
+// 2. The robot is tracked through the plan (TrackInPlan), and the log mapped again with this path as its odometry. Of
+// both
+//    maps that one counts which agrees more with the plan and with itself, and in which the plan has the size that the
+//    pairs say.
 //
 // The result is taken only if the map then agrees more with itself (walls that were seen again lie where they did), or
 // far more with the plan; if at most a third of the drive had to be bent; if loop closures still agree; and if most
