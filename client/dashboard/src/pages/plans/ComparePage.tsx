@@ -27,7 +27,7 @@ function Compared({ placed, corrected }: { placed: Plan; corrected: Plan }) {
       <SceneView view={view} />
       <aside className="panel" aria-label="Details">
         <h1>Before and after</h1>
-        <p className="sub">Before: the plan as it was placed as a whole. After: each wall moved onto what robots have seen of it; seen walls are green-grey, unseen ones blue, contradicted ones red and dashed.</p>
+        <p className="sub">Before: the plan as it was placed as a whole. After: each wall moved onto what robots have seen of it; seen walls are green-grey, unseen ones blue, contradicted ones red and dashed; what only robots have seen is amber.</p>
         <label className="plan-fade">
           <span>Before</span>
           <input type="range" min={0} max={1} step={0.05} value={share} aria-label="From before to after"

@@ -22,4 +22,6 @@ test('tells how far walls were moved', () => {
   expect(movedBy(placed, corrected)!.median).toBe(0);
   expect(movedBy(placed, corrected)!.most).toBeCloseTo(0.5, 12);
   expect(movedBy(placed, { ...corrected, lines: corrected.lines.slice(1) })).toBeUndefined();
+  const added = { ...corrected.lines[0]!, state: 'added' as const };
+  expect(movedBy(placed, { ...corrected, lines: [...corrected.lines.slice(0, 2), added, ...corrected.lines.slice(2)] })).toEqual(movedBy(placed, corrected));
 });

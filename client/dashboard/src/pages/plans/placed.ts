@@ -17,11 +17,12 @@ export function placedPlan({ name, level, alignment }: Pick<PriorMap, 'name' | '
   return { name, level, lines, bounds: boundsOfLines(lines) };
 }
 
-// m: how far ends of walls were moved. Both have the same lines in the same order; undefined: they have not.
+// m: how far ends of walls were moved. Both have the plan's own lines in the same order; undefined: they have not.
 export function movedBy(placed: Plan, corrected: Plan): { median: number; most: number } | undefined {
-  if (placed.lines.length === 0 || placed.lines.length !== corrected.lines.length) return undefined;
+  const own = corrected.lines.filter(({ state }) => state !== 'added');
+  if (placed.lines.length === 0 || placed.lines.length !== own.length) return undefined;
   const moved = placed.lines.flatMap((line, i) => {
-    const { from, to } = corrected.lines[i]!;
+    const { from, to } = own[i]!;
     return [Math.hypot(from.x - line.from.x, from.y - line.from.y), Math.hypot(to.x - line.to.x, to.y - line.to.y)];
   }).sort((a, b) => a - b);
   return { median: moved[Math.floor(moved.length / 2)]!, most: moved.at(-1)! };
