@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { faultsOf, open, picture } from './browser.mjs';
 import { setStage } from './stage.mjs';
+import { until } from './system.mjs';
 
 const { system, browser } = setStage();
 
@@ -15,8 +16,13 @@ test('docs: the reference lists every operation, opens one, and loads nothing fr
     page.on('request', (request) => asked.push(new URL(request.url()).origin));
     await page.goto(`${system.url}/docs`);
     await page.locator('.opblock-tag').first().waitFor();
+    // Tags appear one after the other on a busy machine.
     const closed = page.locator('.opblock-tag[data-is-open="false"]');
-    while ((await closed.count()) > 0) await closed.first().click();
+    const opened = async () => {
+      while ((await closed.count()) > 0) await closed.first().click();
+      return (await page.locator('.opblock').count()) >= operations.length;
+    };
+    await until('all operations are listed', opened);
     assert.equal(await page.locator('.opblock').count(), operations.length);
     await page.locator('#operations-SiteService-ListSites button.opblock-summary-control').click();
     await page.getByText('From the previous answer; empty for the first page.').waitFor();
