@@ -8,6 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/status_macros.h"
 #include "nlohmann/json.hpp"
 
@@ -85,12 +86,12 @@ absl::StatusOr<std::optional<TimeNs>> TimeOf(const Json& properties, const char*
   std::string why;
   if (!absl::ParseTime(absl::RFC3339_full, absl::string_view(text), &time, &why)) {
     return InvalidArgument("the property \"{}\" is \"{}\": expected a time as in 2026-01-31T08:00:00Z", name,
-                           text.substr(0, 100));
+                           Excerpt(text, 100));
   }
   if (time < absl::FromCivil(absl::CivilSecond(kFirstYear), absl::UTCTimeZone()) ||
       time > absl::FromCivil(absl::CivilSecond(kLastYear), absl::UTCTimeZone())) {
     return InvalidArgument("the property \"{}\" is \"{}\": expected a time in the years {} to {}", name,
-                           text.substr(0, 100), kFirstYear, kLastYear);
+                           Excerpt(text, 100), kFirstYear, kLastYear);
   }
   return std::optional<TimeNs>(absl::ToUnixNanos(time));
 }
@@ -98,7 +99,7 @@ absl::StatusOr<std::optional<TimeNs>> TimeOf(const Json& properties, const char*
 absl::StatusOr<AreaKind> ReadKind(const Json& properties) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string name, TextOf(properties, "kind"));
   if (const std::optional<AreaKind> kind = KindOfName(name)) return *kind;
-  return InvalidArgument("the property \"kind\" is \"{}\": expected one of {}", name.substr(0, 100),
+  return InvalidArgument("the property \"kind\" is \"{}\": expected one of {}", Excerpt(name, 100),
                          fmt::join(KindNames(), ", "));
 }
 
@@ -150,7 +151,7 @@ absl::StatusOr<MapAreaId> ReadAreaId(const Json& feature) {
   if (!std::string_view(text).starts_with(kIdPrefix)) return MapAreaId();
   const std::string value = text.substr(kIdPrefix.size());
   if (IsValidResourceId(value)) return MapAreaId(value);
-  return InvalidArgument("the id is \"{}\": expected areas/ and 1 to 63 of a-z, 0-9 and \"-\"", text.substr(0, 100));
+  return InvalidArgument("the id is \"{}\": expected areas/ and 1 to 63 of a-z, 0-9 and \"-\"", Excerpt(text, 100));
 }
 
 absl::StatusOr<NamedArea> ReadFeature(const Json& feature) {
@@ -187,7 +188,7 @@ absl::StatusOr<std::vector<NamedArea>> ReadCollection(const Json& document) {
   const Json& frame = MemberOf(document, "frame");
   if (!frame.is_null() && frame != kFrame) {
     return InvalidArgument("the member \"frame\" is {}: expected \"{}\", metres in the frame of one map",
-                           frame.dump().substr(0, 100), kFrame);
+                           Excerpt(frame.dump(), 100), kFrame);
   }
   const Json& features = MemberOf(document, "features");
   if (features.size() > kMaxFeatures) {

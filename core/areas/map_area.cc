@@ -7,6 +7,7 @@
 
 #include "core/areas/simple_polygon.h"
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/ids.h"
 #include "core/base/status_macros.h"
 
@@ -31,7 +32,7 @@ absl::Status ValidateRobotTypes(const std::vector<std::string>& types) {
     if (!IsValidResourceId(types[i])) {
       return InvalidArgument(
           "robot_types[{}] is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\", not \"-\" first or last", i,
-          types[i].substr(0, 100));
+          Excerpt(types[i], 100));
     }
     const auto end = types.begin() + static_cast<std::ptrdiff_t>(i);
     if (std::find(types.begin(), end, types[i]) != end) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::convert {
@@ -36,7 +37,7 @@ std::optional<std::vector<std::string>> Match(std::string_view form, std::string
 
 absl::Status Misnamed(std::string_view field, std::string_view name, std::string_view form) {
   return InvalidArgument("{} is \"{}\": expected {} with ids of 1 to 63 of a-z, 0-9 and \"-\"", field,
-                         name.substr(0, 200), form);
+                         Excerpt(name, 200), form);
 }
 
 absl::StatusOr<std::vector<std::string>> MatchOrError(std::string_view form, std::string_view field,
@@ -105,7 +106,7 @@ absl::StatusOr<RevisionName> ParseRevisionName(std::string_view field, std::stri
   ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kRevisionForm, field, name));
   const std::optional<std::int64_t> revision = ToNumber(ids[2]);
   if (revision && *revision >= 1) return RevisionName{SiteId(ids[0]), MapId(ids[1]), *revision};
-  return InvalidArgument("{} is \"{}\": revisions are numbers from 1 on", field, name.substr(0, 200));
+  return InvalidArgument("{} is \"{}\": revisions are numbers from 1 on", field, Excerpt(name, 200));
 }
 
 absl::StatusOr<RevisionName> ParseMapOrRevisionName(std::string_view field, std::string_view name) {
@@ -152,14 +153,14 @@ absl::StatusOr<LoopClosureName> ParseLoopClosureName(std::string_view field, std
   ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kLoopClosureForm, field, name));
   const std::optional<std::int64_t> closure = ToNumber(ids[2]);
   if (closure && *closure >= 0) return LoopClosureName{SiteId(ids[0]), SessionId(ids[1]), *closure};
-  return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, name.substr(0, 200));
+  return InvalidArgument("{} is \"{}\": closures are numbers from 0 on", field, Excerpt(name, 200));
 }
 
 absl::StatusOr<DoorVerdictName> ParseDoorVerdictName(std::string_view field, std::string_view name) {
   ENFILADE_ASSIGN_OR_RETURN(const auto ids, MatchOrError(kDoorVerdictForm, field, name));
   const std::optional<std::int64_t> sequence = ToNumber(ids[2]);
   if (sequence && *sequence >= 1) return DoorVerdictName{SiteId(ids[0]), SessionId(ids[1]), *sequence};
-  return InvalidArgument("{} is \"{}\": doors are numbered by records, from 1 on", field, name.substr(0, 200));
+  return InvalidArgument("{} is \"{}\": doors are numbered by records, from 1 on", field, Excerpt(name, 200));
 }
 
 absl::StatusOr<RearrangementName> ParseRearrangementName(std::string_view field, std::string_view name) {

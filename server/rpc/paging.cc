@@ -6,6 +6,7 @@
 
 #include "absl/strings/escaping.h"
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/status_macros.h"
 
 namespace enfilade::server {
@@ -27,7 +28,7 @@ absl::StatusOr<std::string> FromPageToken(const std::string& token) {
   if (token.empty()) return std::string();
   std::string key;
   if (!absl::WebSafeBase64Unescape(token, &key) || key.rfind(kMark, 0) != 0) {
-    return InvalidArgument("page_token \"{}\" is not from this server", token.substr(0, 100));
+    return InvalidArgument("page_token \"{}\" is not from this server", Excerpt(token, 100));
   }
   return key.substr(sizeof(kMark) - 1);
 }

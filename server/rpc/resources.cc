@@ -6,6 +6,7 @@
 
 #include "core/base/environment.h"
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/base/uuid.h"
@@ -231,7 +232,7 @@ absl::StatusOr<std::int64_t> ParseEtag(const std::string& etag) {
   if (etag.empty()) return value;
   const auto parsed = std::from_chars(etag.data(), etag.data() + etag.size(), value);
   if (parsed.ec != std::errc() || parsed.ptr != etag.data() + etag.size() || value < 1) {
-    return InvalidArgument("etag \"{}\" is not from this server", etag.substr(0, 100));
+    return InvalidArgument("etag \"{}\" is not from this server", Excerpt(etag, 100));
   }
   return value;
 }
@@ -240,7 +241,7 @@ absl::StatusOr<std::string> IdOrNew(const char* field, const std::string& reques
   if (requested.empty()) return NewUuid();
   if (IsValidResourceId(requested)) return requested;
   return InvalidArgument("{} is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\", not \"-\" first or last", field,
-                         requested.substr(0, 100));
+                         Excerpt(requested, 100));
 }
 
 absl::StatusOr<storage::RequestId> MakeRequestId(const std::string& id, const std::string& request) {

@@ -69,7 +69,7 @@ func WriteError(w http.ResponseWriter, r *http.Request, err error) {
 	if problem.Code() == codes.Unavailable || problem.Code() == codes.ResourceExhausted {
 		w.Header().Set("Retry-After", strconv.Itoa(retryAfter(problem)))
 	}
-	message = strings.ToValidUTF8(message, "\uFFFD") // a name that is cut short may end within a character
+	message = strings.ToValidUTF8(message, "\uFFFD") // else it has no JSON
 	body := &spb.Status{Code: int32(problem.Code()), Message: message, Details: problem.Proto().GetDetails()}
 	encoded, encodeErr := protojson.Marshal(body)
 	if encodeErr != nil { // a detail of a type that is not known here

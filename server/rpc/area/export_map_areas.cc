@@ -10,6 +10,7 @@
 #include "core/areas/area_files.h"
 #include "core/areas/area_geojson.h"
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/ids.h"
 #include "core/base/resource_name.h"
 #include "core/base/sha256.h"
@@ -35,7 +36,7 @@ absl::StatusOr<AreaChoice> AreaChoiceOf(const v1::ExportMapAreasRequest& request
   AreaChoice choice{.robot_type = request.robot_type(), .time = std::nullopt};
   if (!choice.robot_type.empty() && !IsValidResourceId(choice.robot_type)) {
     return InvalidArgument("robot_type is \"{}\": expected 1 to 63 of a-z, 0-9 and \"-\", or none for all areas",
-                           choice.robot_type.substr(0, 100));
+                           Excerpt(choice.robot_type, 100));
   }
   if (request.has_time()) {
     const absl::StatusOr<TimeNs> time = convert::FromTimestamp(request.time());

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "server/app/runtime/retry_hint.h"
@@ -68,7 +69,7 @@ absl::StatusOr<std::int64_t> Call::MinGraphVersion() const {
     if (separator != std::string::npos) std::from_chars(text.data() + separator + 1, end, version);
     if (version < 0 || SiteOfName(text.substr(0, separator)).empty()) {
       return InvalidArgument("metadata enfilade-min-graph-version \"{}\": expected sites/SITE=VERSION",
-                             text.substr(0, 100));
+                             Excerpt(text, 100));
     }
     if (SiteOfName(text.substr(0, separator)) == site_) minimum = std::max(minimum, version);
   }

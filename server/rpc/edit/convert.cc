@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
 #include "google/protobuf/util/time_util.h"
@@ -95,7 +96,7 @@ absl::Status CheckEditId(const std::string& field, const std::string& id) {
   });
   if (!id.empty() && id.size() <= 63 && is_plain) return absl::OkStatus();
   return InvalidArgument("{}.edit_id is \"{}\": expected a UUID, or 1 to 63 letters, digits and \"-\"", field,
-                         id.substr(0, 100));
+                         Excerpt(id, 100));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/excerpt.h"
 #include "core/base/status_macros.h"
 #include "proto/convert/names.h"
 #include "server/app/graph/pose_looks.h"
@@ -106,7 +107,7 @@ absl::StatusOr<PoseUpdates::Position> FromResumeToken(const std::string& token) 
     const auto report = std::from_chars(version.ptr + 1, end, position.report_version);
     if (report.ec == std::errc() && report.ptr == end) return position;
   }
-  return InvalidArgument("resume_token \"{}\" is not from this server", token.substr(0, 100));
+  return InvalidArgument("resume_token \"{}\" is not from this server", Excerpt(token, 100));
 }
 
 absl::StatusOr<Watch<v1::WatchGlobalPosesResponse>> WatchGlobalPoses(const Services& services, const Call& call,
