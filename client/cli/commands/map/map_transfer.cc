@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/map_file_import.h"
 #include "client/cli/map_file_reader.h"
 #include "client/cli/map_revision.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "client/sdk/api/map_export.h"
-#include "client/sdk/api/map_import.h"
 #include "client/sdk/api/maps.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -36,13 +36,6 @@ absl::StatusOr<v1::MapFormat> MapFormatOf(const std::string& format) {
   return InvalidArgument("format \"{}\": expected pgm, png or json", format);
 }
 
-client::TransferProgress ProgressOf(ProgressBar& bar) {
-  return [&bar](std::int64_t done, std::int64_t total) {
-    bar.SetTotal(total);
-    bar.Update(done);
-  };
-}
-
 absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& options) {
   const client::Connection connection = ConnectionOf(globals);
   v1::ExportMapRequest request;
@@ -60,7 +53,7 @@ absl::Status ExportMap(const Globals& globals, const MapExportCommandOptions& op
   request.set_without_edits(options.without_edits);
   ProgressBar bar(globals, "downloading", 0, "B");
   ENFILADE_ASSIGN_OR_RETURN(const client::ExportedMap exported,
-                            client::ExportMap(connection, request, options.directory, ProgressOf(bar)));
+                            client::ExportMap(connection, request, options.directory, ShownBy(bar)));
   bar.Finish();
   if (globals.json) {
     nlohmann::json document = RevisionToJson(exported.revision);
@@ -86,28 +79,13 @@ absl::Status ImportMap(const Globals& globals, const MapImportCommandOptions& op
   if (options.dialect != "nav2" && options.dialect != "ros1") {
     return InvalidArgument("dialect \"{}\": expected nav2 or ros1", options.dialect);
   }
-  const v1::MapDialect dialect = options.dialect == "ros1" ? v1::MAP_DIALECT_ROS1 : v1::MAP_DIALECT_NAV2;
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> read, ReadMapFiles(options.file));
-  std::vector<client::NamedFile> files;
-  for (grid::MapFile& file : read) files.push_back({std::move(file.name), std::move(file.bytes)});
-  const client::Connection connection = ConnectionOf(globals);
-  v1::CreateMapRequest fresh;
-  fresh.mutable_map()->set_display_name(options.map);
-  fresh.mutable_map()->set_level(options.level);
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map,
-                            client::FindOrCreateMap(connection, SiteId(globals.site), options.map, fresh));
-  ProgressBar bar(globals, "uploading", 0, "B");
-  ENFILADE_ASSIGN_OR_RETURN(
-      const v1::ImportMapResponse response,
-      client::ImportMap(connection, map.name(), dialect, files, ProgressOf(bar), options.keep_edits));
-  bar.Finish();
-  for (const std::string& warning : response.warnings()) std::cerr << "warning: " << warning << '\n';
-  if (globals.json) {
-    PrintJson(std::cout, RevisionToJson(response.revision()));
-  } else {
-    PrintRevision(response.revision());
-  }
-  return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> files, ReadMapFiles(options.file));
+  return ImportMapFiles(globals, ConnectionOf(globals), std::move(files),
+                        {.site = SiteId(globals.site),
+                         .map = options.map,
+                         .level = options.level,
+                         .dialect = options.dialect == "ros1" ? v1::MAP_DIALECT_ROS1 : v1::MAP_DIALECT_NAV2,
+                         .keep_edits = options.keep_edits});
 }
 
 }  // namespace

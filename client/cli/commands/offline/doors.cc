@@ -7,6 +7,7 @@
 
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/offline/doors_plot.h"
+#include "client/cli/log_mapping.h"
 #include "client/cli/log_options.h"
 #include "client/cli/output.h"
 #include "client/sources/log_reader.h"
@@ -37,16 +38,9 @@ absl::StatusOr<doors::DoorOptions> LoadDoorOptions(const DoorsCommandOptions& op
   return parsed;
 }
 
-absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(const DoorsCommandOptions& options) {
+absl::StatusOr<std::vector<sensor::PairedScan>> ReadScansWithOdometry(const DoorsCommandOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(options.log, options.reading));
-  sensor::ScanPairing pairing{sensor::ScanPairingOptions{}};
-  std::vector<sensor::PairedScan> scans;
-  for (std::int64_t sequence = 1;; ++sequence) {
-    ENFILADE_ASSIGN_OR_RETURN(std::optional<sources::LogEntry> entry, reader.Next());
-    if (!entry) break;
-    pairing.Add(sequence, std::move(entry->payload), scans);
-  }
-  pairing.Flush(scans);
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::PairedScan> scans, ReadScans(reader));
   const std::size_t all = scans.size();
   std::erase_if(scans, [](const sensor::PairedScan& scan) { return !scan.T_odom_robot; });
   if (scans.empty()) {
@@ -85,7 +79,7 @@ absl::Status RunDoors(const Globals& globals, const DoorsCommandOptions& options
     return absl::OkStatus();
   }
   if (options.log.empty()) return InvalidArgument("doors: LOG is missing (see enfilade doors --help)");
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::PairedScan> scans, ReadScans(options));
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::PairedScan> scans, ReadScansWithOdometry(options));
   ProgressBar bar(globals, "looking for doors", static_cast<std::int64_t>(scans.size()));
   doors::DoorDetector detector(doors);
   std::vector<doors::DoorEvent> events;

@@ -3,7 +3,6 @@
 #include <stdlib.h>  // mkdtemp
 
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -11,12 +10,9 @@
 #include <vector>
 
 #include "client/cli/commands/commands.h"
+#include "client/cli/map_file_import.h"
 #include "client/cli/map_file_reader.h"
-#include "client/cli/map_revision.h"
-#include "client/cli/output.h"
 #include "client/cli/remote.h"
-#include "client/sdk/api/map_import.h"
-#include "client/sdk/api/maps.h"
 #include "client/sdk/api/prior_maps.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -53,15 +49,12 @@ class FolderForFiles {
   std::filesystem::path path_;
 };
 
-absl::StatusOr<std::vector<client::NamedFile>> ReadPlanningMap(const client::Connection& connection,
-                                                               const std::string& prior_map) {
+absl::StatusOr<std::vector<grid::MapFile>> ReadPlanningMap(const client::Connection& connection,
+                                                           const std::string& prior_map) {
   ENFILADE_ASSIGN_OR_RETURN(const FolderForFiles folder, FolderForFiles::Make());
   ENFILADE_RETURN_IF_ERROR(
       client::ExportPriorMap(connection, prior_map, {v1::PRIOR_MAP_PRODUCT_PLANNING}, folder.path()).status());
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> read, ReadMapFiles(folder.path() / "planning.yaml"));
-  std::vector<client::NamedFile> files;
-  for (grid::MapFile& file : read) files.push_back({std::move(file.name), std::move(file.bytes)});
-  return files;
+  return ReadMapFiles(folder.path() / "planning.yaml");
 }
 
 absl::Status RunPriorPublish(const Globals& globals, const PriorPublishOptions& options) {
@@ -73,20 +66,11 @@ absl::Status RunPriorPublish(const Globals& globals, const PriorPublishOptions& 
   const client::Connection connection = ConnectionOf(globals);
   ENFILADE_ASSIGN_OR_RETURN(const v1::PriorMap plan,
                             client::FindPriorMap(connection, SiteId(globals.site), options.plan));
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<client::NamedFile> files, ReadPlanningMap(connection, plan.name()));
-  const std::string name = options.map.empty() ? plan.display_name() : options.map;
-  v1::CreateMapRequest fresh;
-  fresh.mutable_map()->set_display_name(name);
-  fresh.mutable_map()->set_level(plan.level());
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, client::FindOrCreateMap(connection, SiteId(options.site), name, fresh));
-  ENFILADE_ASSIGN_OR_RETURN(const v1::ImportMapResponse response,
-                            client::ImportMap(connection, map.name(), v1::MAP_DIALECT_NAV2, files));
-  if (globals.json) {
-    PrintJson(std::cout, RevisionToJson(response.revision()));
-  } else {
-    PrintRevision(response.revision());
-  }
-  return absl::OkStatus();
+  ENFILADE_ASSIGN_OR_RETURN(std::vector<grid::MapFile> files, ReadPlanningMap(connection, plan.name()));
+  return ImportMapFiles(globals, connection, std::move(files),
+                        {.site = SiteId(options.site),
+                         .map = options.map.empty() ? plan.display_name() : options.map,
+                         .level = plan.level()});
 }
 
 }  // namespace

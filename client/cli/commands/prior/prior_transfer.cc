@@ -10,6 +10,7 @@
 #include "client/cli/commands/commands.h"
 #include "client/cli/commands/prior/plan_options.h"
 #include "client/cli/commands/prior/prior_map_output.h"
+#include "client/cli/map_file_import.h"
 #include "client/cli/output.h"
 #include "client/cli/remote.h"
 #include "client/sdk/api/prior_maps.h"
@@ -38,13 +39,6 @@ const std::map<std::string, v1::PriorMapProduct>& Products() {
                                                                       {"planning", v1::PRIOR_MAP_PRODUCT_PLANNING},
                                                                       {"picture", v1::PRIOR_MAP_PRODUCT_PICTURE}};
   return products;
-}
-
-client::TransferProgress ShownBy(ProgressBar& bar) {
-  return [&bar](std::int64_t done, std::int64_t total) {
-    bar.SetTotal(total);
-    bar.Update(done);
-  };
 }
 
 absl::StatusOr<v1::ImportPriorMapManifest> PlanManifest(const Globals& globals, const PriorAddOptions& options) {
