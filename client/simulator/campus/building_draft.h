@@ -8,7 +8,7 @@
 
 #include "client/simulator/campus/campus.h"
 #include "client/simulator/campus/random_building.h"
-#include "client/simulator/sensors/noise.h"
+#include "core/base/noise.h"
 
 // The steps that make a random building. Each draws from the same noise, so their order is part of the result.
 namespace enfilade::simulator {

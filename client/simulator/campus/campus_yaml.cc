@@ -5,7 +5,7 @@
 
 #include "client/simulator/campus/drawing.h"
 #include "client/simulator/campus/shapes_yaml.h"
-#include "client/simulator/sensors/noise.h"
+#include "core/base/noise.h"
 #include "core/base/status_macros.h"
 #include "core/geometry/pose2.h"
 #include "core/options/strict_mapping.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "client/simulator/plan/campus_plan.h"
-#include "client/simulator/sensors/noise.h"
+#include "core/base/noise.h"
 
 namespace enfilade::simulator {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/world/world.h"
+#include "core/base/noise.h"
 #include "core/geometry/pose2.h"
 #include "core/sensor/laser_scan.h"
 

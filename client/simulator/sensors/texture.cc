@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/sensors/sensors.h"
+#include "core/base/noise.h"
 
 namespace enfilade::simulator {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/world/door_gaps.h"
+#include "core/base/noise.h"
 
 namespace enfilade::simulator {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/world/face_builder.h"
+#include "core/base/noise.h"
 
 namespace enfilade::simulator {
 namespace {

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "client/simulator/campus/campus_yaml.h"
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/simulation.h"
+#include "core/base/noise.h"
 #include "core/base/sha256.h"
 #include "tests/support/status_assertions.h"
 

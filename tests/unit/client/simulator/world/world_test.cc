@@ -10,7 +10,7 @@
 
 #include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/campus/random_building.h"
-#include "client/simulator/sensors/noise.h"
+#include "core/base/noise.h"
 #include "tests/support/status_assertions.h"
 
 namespace enfilade::simulator {
