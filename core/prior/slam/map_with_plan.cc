@@ -209,8 +209,7 @@ class PlanMapper {
   // The pieces moved by what they have seen of the plan: of all rounds the one in which the map agrees most with the
   // plan and with itself.
   absl::StatusOr<FittedPieces> Tied(const FittedPieces& from) const {
-    FittedPieces best;
-    FittedPieces last;
+    std::shared_ptr<FittedPieces> best, last;
     const FittedPieces* before = &from;
     std::vector<PieceLink> stated = from.cut.links;
     for (PieceLink& link : stated) {
@@ -218,7 +217,8 @@ class PlanMapper {
     }
     double least = 1e9;
     for (int round = 0; round < kTieRounds; ++round) {
-      FittedPieces next;
+      const auto round_result = std::make_shared<FittedPieces>();
+      FittedPieces& next = *round_result;
       next.mapped.map = from.mapped.map;
       next.cut = from.cut;
       std::vector<MapOfPlan> maps;
@@ -252,28 +252,14 @@ class PlanMapper {
       Refit(before->alignment.T_map_sheet, next);
       if (next.objection.empty()) next.objection = ObjectionOfClosures(stated, from.T_map_pieces, next.T_map_pieces);
       const double loss = next.loss() + (next.objection.empty() ? 0 : 10);
-      last = std::move(next);
-      before = &last;
+      last = round_result;
+      before = last.get();
       if (loss < least) {
         least = loss;
-        ENFILADE_ASSIGN_OR_RETURN(best, Copy(last));
+        best = last;
       }
     }
-    return best;
-  }
-
-  absl::StatusOr<FittedPieces> Copy(const FittedPieces& from) const {
-    FittedPieces copy;
-    copy.mapped = from.mapped;
-    copy.cut = from.cut;
-    copy.T_map_pieces = from.T_map_pieces;
-    copy.objection = from.objection;
-    copy.alignment = from.alignment;
-    copy.evidence = std::make_unique<const MapEvidence>(*from.evidence);
-    copy.corrected = std::make_unique<const CorrectedPlan>(plan_, *copy.evidence, copy.alignment.T_map_sheet);
-    copy.self = from.self;
-    copy.self_known = from.self_known;
-    return copy;
+    return std::move(*best);
   }
 
   // Loop closures are matches that were checked: a plan that they contradict is wrong.
