@@ -76,6 +76,7 @@ class PlanFitter {
     if (fit_.alignment.accepted) ENFILADE_RETURN_IF_ERROR(JoinAccepted());
     // Other modes are for comparison, and correct less.
     if (fit_.corrected && !options_.pairs.empty() && options_.mode == FitMode::kFull) CheckShown();
+    if (fit_.corrected) fit_.added = FindAddedWalls(*fit_.corrected, *fit_.evidence);
     return std::move(fit_);
   }
 

@@ -11,6 +11,7 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/prior/alignment/align.h"
 #include "core/prior/alignment/control_pairs.h"
+#include "core/prior/correction/added_walls.h"
 #include "core/prior/correction/correct_plan.h"
 #include "core/prior/plan/plan_graph.h"
 
@@ -47,14 +48,15 @@ struct PlanFit {
   grid::OccupancyGrid map;  // the joined maps
   std::unique_ptr<const MapEvidence> evidence = nullptr;
   std::unique_ptr<const CorrectedPlan> corrected = nullptr;
+  std::vector<AddedWall> added = {};  // walls that the plan does not have
 };
 
 // Each map is aligned with the plan. One that is accepted tells the plan's scale, and whether it is mirrored, to those
 // that fit at several places. Maps in which the plan is accepted are joined by it, and the plan is corrected with all
 // of them; the others are left out. It is refused if the first map is; and if people have shown a place where even the
 // corrected plan explains less than 35 % of the map's walls there, or is contradicted by more than 20 % of what the map
-// knows. INVALID_ARGUMENT: no map, a map without walls
-// (named by its number), pairs that determine nothing (FitPairs), maps too large to be joined.
+// knows. INVALID_ARGUMENT: no map, a map without walls (named by its number), pairs that determine nothing (FitPairs),
+// maps too large to be joined.
 absl::StatusOr<PlanFit> FitPlan(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps,
                                 const FitOptions& options);
 

@@ -8,7 +8,6 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/png_codec.h"
 #include "core/plot/scene.h"
-#include "core/prior/correction/added_walls.h"
 #include "core/prior/fit/planning_map.h"
 #include "core/prior/formats/building_plan.h"
 #include "core/prior/formats/svg_plan.h"
@@ -37,8 +36,8 @@ nlohmann::json Position(const Eigen::Vector2d& point) { return {point.x(), point
 
 // Each wall with `state`, `stretch` and `sigma_m`, then those that only robots have seen, then each door with `state`
 // (seen: robots know the ground there) and `sigma_m`.
-std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corrected,
-                                const std::vector<AddedWall>& added) {
+std::string WriteCorrectedWalls(const PlanGraph& plan, const PlanFit& fit) {
+  const CorrectedPlan& corrected = *fit.corrected;
   nlohmann::json features = nlohmann::json::array();
   for (std::size_t i = 0; i < plan.walls.size(); ++i) {
     const CorrectedCorner& from = corrected.corners()[static_cast<std::size_t>(plan.walls[i].from)];
@@ -56,7 +55,7 @@ std::string WriteCorrectedWalls(const PlanGraph& plan, const CorrectedPlan& corr
            {"stretch", wall.stretch},
            {"sigma_m", std::sqrt(std::max(0.0, variance))}}}});
   }
-  for (const AddedWall& wall : added) {
+  for (const AddedWall& wall : fit.added) {
     features.push_back(
         {{"type", "Feature"},
          {"geometry", {{"type", "LineString"}, {"coordinates", {Position(wall.from), Position(wall.to)}}}},
@@ -104,9 +103,8 @@ std::string_view NameOf(Sight sight) {
 
 std::vector<grid::MapFile> CorrectedFiles(const PlanGraph& plan, const PlanFit& fit) {
   const PlanGraph graph = CorrectedGraph(plan, *fit.corrected);
-  const std::vector<AddedWall> added = FindAddedWalls(*fit.corrected, *fit.evidence);
-  return {{"walls.geojson", WriteCorrectedWalls(plan, *fit.corrected, added)},
-          {"report.json", WriteReport(plan, fit, added)},
+  return {{"walls.geojson", WriteCorrectedWalls(plan, fit)},
+          {"report.json", WriteReport(plan, fit)},
           {"walls.svg", WriteSvgPlan(graph)},
           {"walls.building.yaml", WriteBuildingPlan(graph, "plan", 1.0)}};
 }
@@ -136,7 +134,7 @@ absl::StatusOr<grid::MapFile> PictureFile(const PlanGraph& plan, const PlanFit& 
     const Eigen::Vector2d to = corrected.corners()[static_cast<std::size_t>(plan.walls[i].to)].point;
     scene.lines.push_back({.points = {from, to}, .color = ColorOf(corrected.walls()[i].sight), .width_px = 2});
   }
-  for (const AddedWall& wall : FindAddedWalls(corrected, *fit.evidence)) {
+  for (const AddedWall& wall : fit.added) {
     scene.lines.push_back({.points = {wall.from, wall.to}, .color = kOrange, .width_px = 2});
   }
   ENFILADE_ASSIGN_OR_RETURN(const plot::SceneView view, plot::ViewOf(scene, kPlotSide));

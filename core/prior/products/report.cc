@@ -43,7 +43,7 @@ class Report {
             {"rival_ratio", fit_.alignment.rival_ratio}};
   }
 
-  json Walls(const std::vector<AddedWall>& added) const {
+  json Walls() const {
     json walls;
     for (const Sight sight : {Sight::kSeen, Sight::kUnseen, Sight::kContradicted}) {
       int count = 0;
@@ -56,8 +56,8 @@ class Report {
       walls[std::string(NameOf(sight))] = {{"count", count}, {"length_m", length}};
     }
     double length = 0;
-    for (const AddedWall& wall : added) length += (wall.to - wall.from).norm();
-    walls["added"] = {{"count", added.size()}, {"length_m", length}};
+    for (const AddedWall& wall : fit_.added) length += (wall.to - wall.from).norm();
+    walls["added"] = {{"count", fit_.added.size()}, {"length_m", length}};
     return walls;
   }
 
@@ -100,14 +100,14 @@ class Report {
     return {{"median", Quantile(stretch, 0.5)}, {"least", Quantile(stretch, 0.0)}, {"most", Quantile(stretch, 1.0)}};
   }
 
-  json ToCheck(const std::vector<AddedWall>& added) const {
+  json ToCheck() const {
     json walls = json::array();
     for (std::size_t i = 0; i < plan_.walls.size(); ++i) {
       if (corrected_.walls()[i].sight != Sight::kContradicted) continue;
       walls.push_back(
           {{"state", "contradicted"}, {"wall", i}, {"ends", Ends(End(plan_.walls[i].from), End(plan_.walls[i].to))}});
     }
-    for (const AddedWall& wall : added) walls.push_back({{"state", "added"}, {"ends", Ends(wall.from, wall.to)}});
+    for (const AddedWall& wall : fit_.added) walls.push_back({{"state", "added"}, {"ends", Ends(wall.from, wall.to)}});
     return walls;
   }
 
@@ -121,14 +121,14 @@ class Report {
 
 }  // namespace
 
-std::string WriteReport(const PlanGraph& plan, const PlanFit& fit, const std::vector<AddedWall>& added) {
+std::string WriteReport(const PlanGraph& plan, const PlanFit& fit) {
   const Report report(plan, fit);
   json document = report.Whole();
-  document["walls"] = report.Walls(added);
+  document["walls"] = report.Walls();
   document["doors"] = report.Doors();
   document["corners"] = report.Corners();
   document["stretch"] = report.Stretch();
-  document["to_check"] = report.ToCheck(added);
+  document["to_check"] = report.ToCheck();
   return document.dump(1) + "\n";
 }
 

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "core/prior/correction/added_walls.h"
 #include "core/prior/fit/fit_plan.h"
 #include "core/prior/plan/plan_graph.h"
 
@@ -18,6 +16,6 @@ namespace enfilade::prior {
 //     (`moved_m`), and how well they are known (`sigma_m`): median, p95 and most;
 //   stretch of the walls that were seen: median, least and most;
 //   to_check: the walls that robots contradict and those that only they have seen, with their ends.
-std::string WriteReport(const PlanGraph& plan, const PlanFit& fit, const std::vector<AddedWall>& added);
+std::string WriteReport(const PlanGraph& plan, const PlanFit& fit);
 
 }  // namespace enfilade::prior

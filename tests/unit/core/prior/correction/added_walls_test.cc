@@ -23,13 +23,6 @@ MapEvidence Seen(const PlanGraph& building) {
 std::vector<AddedWall> Added(const PlanGraph& plan, const MapEvidence& evidence) {
   return FindAddedWalls(CorrectedPlan(plan, evidence, kInMap), evidence);
 }
-// From one place to another, in units of the sheet.
-void AddWall(PlanGraph& plan, const Vector2d& from, const Vector2d& to) {
-  const int first = static_cast<int>(plan.corners.size());
-  plan.corners.push_back({from});
-  plan.corners.push_back({to});
-  plan.walls.push_back({.from = first, .to = first + 1});
-}
 double EndsOff(const AddedWall& wall, const Vector2d& from, const Vector2d& to) {
   const Vector2d a = kInMap(from), b = kInMap(to);
   return std::min(std::max((wall.from - a).norm(), (wall.to - b).norm()),
@@ -44,9 +37,9 @@ TEST(FindAddedWalls, NoneWhereThePlanHasThemAll) {
 TEST(FindAddedWalls, TakesPartitionsThatThePlanLacks) {
   const PlanGraph plan = DrawnBuilding();
   PlanGraph building = plan;
-  AddWall(building, {200, 0}, {200, 120});    // into a room, from its wall
-  AddWall(building, {200, 120}, {150, 120});  // on from there
-  AddWall(building, {682, 200}, {878, 250});  // slanted, in the hall, from wall to wall
+  DrawWall(building, {200, 0}, {200, 120});    // into a room, from its wall
+  DrawWall(building, {200, 120}, {150, 120});  // on from there
+  DrawWall(building, {682, 200}, {878, 250});  // slanted, in the hall, from wall to wall
   const std::vector<AddedWall> added = Added(plan, Seen(building));
   ASSERT_THAT(added, SizeIs(3));
   EXPECT_LT(EndsOff(added[0], {682, 200}, {878, 250}), 0.6);
@@ -57,9 +50,9 @@ TEST(FindAddedWalls, TakesPartitionsThatThePlanLacks) {
 TEST(FindAddedWalls, TheTwoFacesOfAWallAreOne) {
   const PlanGraph plan = DrawnBuilding();
   PlanGraph building = plan;
-  AddWall(building, {180, 0}, {180, 130});
-  AddWall(building, {185, 0}, {185, 130});
-  AddWall(building, {180, 130}, {185, 130});
+  DrawWall(building, {180, 0}, {180, 130});
+  DrawWall(building, {185, 0}, {185, 130});
+  DrawWall(building, {180, 130}, {185, 130});
   const std::vector<AddedWall> added = Added(plan, Seen(building));
   ASSERT_THAT(added, SizeIs(1));
   EXPECT_LT(EndsOff(added[0], {182.5, 0}, {182.5, 130}), 0.6);
@@ -71,7 +64,7 @@ TEST(FindAddedWalls, LeavesFurniture) {
   // A table in the hall, a cupboard at its wall, and a short piece beside a door.
   const auto draw = [&](const std::initializer_list<Vector2d>& corners) {
     for (const Vector2d* corner = corners.begin(); corner + 1 != corners.end(); ++corner) {
-      AddWall(building, corner[0], corner[1]);
+      DrawWall(building, corner[0], corner[1]);
     }
   };
   draw({{740, 150}, {790, 150}, {790, 180}, {740, 180}, {740, 150}});
