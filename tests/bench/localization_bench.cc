@@ -22,8 +22,8 @@
 
 #include "client/simulator/campus/random_building.h"
 #include "client/simulator/campus/shipped_campuses.h"
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/sensors/sensors.h"
+#include "core/base/noise.h"
 #include "core/localization/localize.h"
 #include "fmt/format.h"
 #include "tests/bench/support/mapped_buildings.h"
@@ -150,11 +150,11 @@ struct Bench {
 
   absl::Status Run(const std::string& name, const Building& building, std::uint64_t seed) {
     for (const bool known : {true, false}) {
-      simulator::Noise noise(simulator::Mix(seed, known ? 1 : 2));
+      Noise noise(Mix(seed, known ? 1 : 2));
       for (int i = 0; i < (known ? places : (places + 4) / 5); ++i) {
         const std::optional<Pose2> place = FindPlace(building, known, noise);
         if (!place) break;  // every area was entered
-        const std::uint64_t own = simulator::Mix(seed, known ? 3 : 4, static_cast<std::uint64_t>(i));
+        const std::uint64_t own = Mix(seed, known ? 3 : 4, static_cast<std::uint64_t>(i));
         const std::string label = fmt::format("{} {} {}", name, known ? "known" : "unknown", i);
         const QueryDrive standing = Record(building, {*place}, scanner, own);
         if (absl::Status s = Score(building.map, standing, label + " scan", list, known ? one_scan : unknown_one_scan);

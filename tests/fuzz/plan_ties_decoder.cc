@@ -2,26 +2,11 @@
 // What ties maps to a plan, as it is stored.
 #include "core/graph/plans/plan_ties.h"
 #include "tests/fuzz/decoder.h"
+#include "tests/support/plans/sample_ties.h"
 
 namespace enfilade::fuzz {
 
-std::vector<std::string> Seeds() {
-  graph::PlanTies ties;
-  const std::string empty = graph::EncodePlanTies(ties);
-  ties.corners = {{0, 0}, {4, 0}, {4, 3}};
-  ties.struts = {{0, 1, 7}, {1, 2, -1}};
-  ties.maps = {{MapId("a"), {1, 2, 0.5}}, {MapId("b"), {}}};
-  ties.sightings = {{.strut = 0,
-                     .map = MapId("a"),
-                     .T_map_line = {1, 2, 3},
-                     .along = 0.5,
-                     .length = 2,
-                     .across_sigma = 0.05,
-                     .yaw_sigma = 0.01}};
-  ties.corner_sigma = 0.2;
-  ties.stretch_sigma = 0.05;
-  return {empty, graph::EncodePlanTies(ties)};
-}
+std::vector<std::string> Seeds() { return {graph::EncodePlanTies({}), graph::EncodePlanTies(graph::SampleTies())}; }
 
 bool Decode(std::string_view bytes) {
   const auto ties = graph::DecodePlanTies(bytes);

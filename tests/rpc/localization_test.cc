@@ -37,7 +37,7 @@ simulator::Drive SimulatedDrive(std::uint64_t seed) {
 std::string PngAt(const Pose2& T_campus_robot, std::uint64_t seed) {
   const simulator::World world(simulator::ShippedCampus("figure1").value());
   const std::string level = world.campus().robots.front().level;
-  const auto frame = simulator::ReadCamera({world, level, T_campus_robot}, {}, simulator::Noise(seed)).GreyPng();
+  const auto frame = simulator::ReadCamera({world, level, T_campus_robot}, {}, Noise(seed)).GreyPng();
   EXPECT_OK(frame);
   return frame.ok() ? *frame : "";
 }

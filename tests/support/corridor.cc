@@ -5,14 +5,13 @@
 #include <string>
 #include <utility>
 
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/sensors/sensors.h"
+#include "core/base/noise.h"
 
 namespace enfilade::testing {
 namespace {
 
 using simulator::Campus;
-using simulator::Noise;
 
 constexpr double kHeight = 2.8;  // m, of the ceiling
 
@@ -82,7 +81,7 @@ Campus Corridor::Draw(std::uint64_t seed, double length, double width) {
 
 perception::FeatureSet Corridor::See(const Pose2& T_corridor_robot, std::uint64_t take) const {
   const simulator::CameraFrame seen =
-      simulator::ReadCamera({world_, "0", T_corridor_robot}, {}, Noise(simulator::Mix(seed_, take)));
+      simulator::ReadCamera({world_, "0", T_corridor_robot}, {}, Noise(Mix(seed_, take)));
   return perception::ExtractFeatures({seen.width, seen.height, seen.grey}).value();
 }
 

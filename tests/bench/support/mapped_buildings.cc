@@ -74,7 +74,7 @@ absl::StatusOr<Building> MapBuilding(simulator::Campus campus, std::uint64_t see
   return building;
 }
 
-std::optional<Pose2> FindPlace(const Building& building, bool known, simulator::Noise& noise) {
+std::optional<Pose2> FindPlace(const Building& building, bool known, Noise& noise) {
   const simulator::Campus& campus = building.world->campus();
   for (int attempt = 0; attempt < 2000; ++attempt) {
     const auto& area = campus.areas[static_cast<std::size_t>(noise.Below(static_cast<int>(campus.areas.size())))];
@@ -95,7 +95,7 @@ std::optional<Pose2> FindPlace(const Building& building, bool known, simulator::
   return std::nullopt;
 }
 
-std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, double length, simulator::Noise& noise) {
+std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, double length, Noise& noise) {
   std::vector<Pose2> drive = {start};
   const double bend = noise.Uniform(-0.05, 0.05);  // rad per step
   for (double driven = 0.0; driven < length;) {
@@ -123,7 +123,7 @@ std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, doubl
 QueryDrive Record(const Building& building, const std::vector<Pose2>& drive, const simulator::ScannerOptions& scanner,
                   std::uint64_t seed) {
   const simulator::SimulationOptions defaults;
-  simulator::Noise noise(seed);
+  Noise noise(seed);
   const double factors[2] = {1.0 + defaults.wheel_sigma * noise.Normal(), 1.0 + defaults.wheel_sigma * noise.Normal()};
   const double start = noise.Uniform(1000.0, 5000.0);  // s
   QueryDrive query;
@@ -147,7 +147,7 @@ QueryDrive Record(const Building& building, const std::vector<Pose2>& drive, con
     T_odom_scanned = T_odom_robot;
     const double seconds = start + kStep / kRobotSpeed * static_cast<double>(i);
     const simulator::Viewpoint view{*building.world, building.level, drive[i], seconds};
-    sensor::LaserScan scan = simulator::ReadScan(view, scanner, simulator::Noise(simulator::Mix(seed, i)));
+    sensor::LaserScan scan = simulator::ReadScan(view, scanner, Noise(Mix(seed, i)));
     scan.time = 1'700'000'000 * kNsPerSecond + static_cast<TimeNs>(seconds * 1e9);
     query.scans.push_back({std::move(scan), T_odom_robot});
     query.T_map_robot = Between(building.T_campus_map, drive[i]);

@@ -10,9 +10,9 @@
 
 #include "absl/status/statusor.h"
 #include "client/simulator/campus/campus.h"
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/sensors/sensors.h"
 #include "client/simulator/world/world.h"
+#include "core/base/noise.h"
 #include "core/geometry/pose2.h"
 #include "core/localization/localize.h"
 
@@ -32,10 +32,10 @@ absl::StatusOr<Building> MapBuilding(simulator::Campus campus, std::uint64_t see
 
 // A random place on ground that the map has as free, in an area that was entered (`known`), or in one that was not.
 // Unset if there is none.
-std::optional<Pose2> FindPlace(const Building& building, bool known, simulator::Noise& noise);
+std::optional<Pose2> FindPlace(const Building& building, bool known, Noise& noise);
 
 // A drive of about `length` (m) over clear ground: straight on, or with the smallest turn after which the way is free.
-std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, double length, simulator::Noise& noise);
+std::vector<Pose2> PlanDrive(const Building& building, const Pose2& start, double length, Noise& noise);
 
 // What a robot recorded that is to be located.
 struct QueryDrive {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "client/simulator/sensors/noise.h"
 #include "client/sources/formats/json_lines_writer.h"
 #include "client/sources/log_reader.h"
+#include "core/base/noise.h"
 #include "core/sensor/record.h"
 #include "fmt/format.h"
 #include "tests/e2e/campus/campus_run.h"
@@ -147,7 +147,7 @@ void SimulateOdometry(const LogRun& run, const fs::path& log, const fs::path& re
   std::ofstream out(log);
   std::ofstream right(reference);
   out << sources::JsonLinesHeader();
-  simulator::Noise noise(run.seed);
+  Noise noise(run.seed);
   std::optional<Pose2> last;
   Pose2 drifted;
   while (true) {

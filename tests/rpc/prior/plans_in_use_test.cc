@@ -44,6 +44,13 @@ class PlansInUseTest : public PriorMapFixture {
     manifest.set_level(level);
     ASSERT_OK(ImportPlan(prior::WriteGeoJsonPlan(plan), manifest).status());
   }
+  // Map "m" has the west of the building; map "n", which only the plan joins to it, has the east.
+  void ImportAndMapWings() {
+    Import("plan", prior::DrawnBuilding());
+    MapBuilding(IsWest);
+    MakeMap("n");
+    MapBuilding(IsEast, "n");
+  }
   // By pairs, with each of which the plan lies as it should.
   v1::PriorMap AlignByPairs(const std::string& id, const std::vector<Eigen::Vector2d>& points, bool activate) const {
     v1::AlignPriorMapRequest request;
@@ -155,12 +162,8 @@ TEST_F(PlansInUseTest, PlansOfNeighbouringWingsAreInUseTogether) {
   EXPECT_EQ(east.state(), v1::PriorMap::STATE_ACTIVE) << east.reason();
 }
 
-// Map "m" has the west of the building; map "n", which only the plan joins to it, has the east.
 TEST_F(PlansInUseTest, AMapThatIsMadeAgainIsNotPlacedByWhatTheDeletedOneHasSeen) {
-  Import("plan", prior::DrawnBuilding());
-  MapBuilding(IsWest);
-  MakeMap("n");
-  MapBuilding(IsEast, "n");
+  ImportAndMapWings();
   v1::AlignPriorMapRequest request;
   request.set_activate(true);
   ASSERT_OK_AND_ASSIGN(const auto aligned, Align(request));
@@ -185,10 +188,7 @@ TEST_F(PlansInUseTest, AMapThatIsMadeAgainIsNotPlacedByWhatTheDeletedOneHasSeen)
 }
 
 TEST_F(PlansInUseTest, AMapThatIsDeletedDuringTheAlignmentIsLeftOut) {
-  Import("plan", prior::DrawnBuilding());
-  MapBuilding(IsWest);
-  MakeMap("n");
-  MapBuilding(IsEast, "n");
+  ImportAndMapWings();
   v1::AlignPriorMapRequest request;
   request.set_activate(true);
   absl::StatusOr<v1::AlignPriorMapResponse> aligned = absl::UnknownError("");

@@ -35,12 +35,6 @@ class PriorEditTest : public PriorMapFixture {
     EXPECT_OK(plan.status());
     return *plan;
   }
-  static void Draw(prior::PlanGraph& plan, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    const int from = static_cast<int>(plan.corners.size());
-    plan.corners.push_back({a});
-    plan.corners.push_back({b});
-    plan.walls.push_back({.from = from, .to = from + 1});
-  }
   // Without the wall of the building that begins at this point of the sheet, 20 units a metre.
   static prior::PlanGraph Without(prior::PlanGraph plan, const Eigen::Vector2d& from) {
     std::erase_if(plan.walls, [&](const prior::PlanWall& wall) {
@@ -53,7 +47,7 @@ class PriorEditTest : public PriorMapFixture {
 TEST_F(PriorEditTest, APlanIsCorrectedAsAWhole) {
   ASSERT_OK_AND_ASSIGN(const v1::PriorMap imported, ImportDrawnBuilding());
   prior::PlanGraph drawn = Without(Stored(), {400, 80});  // two walls that stand in a room
-  Draw(drawn, {400, 0}, {399.7, 200.4});
+  prior::DrawWall(drawn, {400, 0}, {399.7, 200.4});
   drawn.doors.push_back({.from = {400, 100}, .to = {400, 120}});
   drawn.metres_per_unit = 0.05;
   ASSERT_OK_AND_ASSIGN(const auto would_be, Edit(drawn, true));
@@ -178,7 +172,7 @@ TEST_F(PriorEditTest, ACorrectedPlanIsOutOfUseUntilItIsAlignedAgain) {
 // A wall that the plan has where robots have seen none.
 TEST_F(PriorEditTest, ACorrectionRemovesWhatRobotsContradict) {
   prior::PlanGraph wrong = prior::DrawnBuilding();
-  Draw(wrong, {150, 0}, {150, 200});
+  prior::DrawWall(wrong, {150, 0}, {150, 200});
   ASSERT_OK(ImportPlan(prior::WriteGeoJsonPlan(wrong), Manifest()).status());
   // Not up to a wall, of which robots would know the ground and not the wall.
   MapBuilding([](const Eigen::Vector2d& sheet) { return sheet.x() < 500; });

@@ -65,16 +65,20 @@ class PriorTiesTest : public PriorMapFixture {
     } while (!token.empty());
     return all;
   }
+  // A server that aligns plans in use again as soon as it may, and the plan, found in the west of the building.
+  void AlignWestAndFollow() {
+    server::ServerOptions options = Options();
+    options.prior_maps.realign_s = 1.0;
+    Restart(options);
+    MapBuilding(IsWest);
+    ASSERT_OK(ImportDrawnBuilding().status());
+    ASSERT_OK(Align().status());
+  }
   bool IsPlaced(const std::string& map) const { return WhereIs(map).has_pose_world_robot(); }
 };
 
 TEST_F(PriorTiesTest, APlanInUseIsAlignedAgainWhenRobotsHaveMappedMore) {
-  server::ServerOptions options = Options();
-  options.prior_maps.realign_s = 1.0;
-  Restart(options);
-  MapBuilding(IsWest);
-  ASSERT_OK(ImportDrawnBuilding().status());
-  ASSERT_OK(Align().status());
+  AlignWestAndFollow();
   ASSERT_OK_AND_ASSIGN(const v1::PriorMap before, Activate());
   MapBuilding([](const Eigen::Vector2d&) { return true; });
   v1::PriorMap after;
@@ -98,12 +102,7 @@ TEST_F(PriorTiesTest, APlanInUseIsAlignedAgainWhenRobotsHaveMappedMore) {
 }
 
 TEST_F(PriorTiesTest, APlanThatNobodyUsesStaysWhereItIs) {
-  server::ServerOptions options = Options();
-  options.prior_maps.realign_s = 1.0;
-  Restart(options);
-  MapBuilding(IsWest);
-  ASSERT_OK(ImportDrawnBuilding().status());
-  ASSERT_OK(Align().status());
+  AlignWestAndFollow();
   const v1::PriorMap proposed = Get();
   MapBuilding([](const Eigen::Vector2d&) { return true; });
   std::this_thread::sleep_for(std::chrono::seconds(3));  // three times as long as it would take

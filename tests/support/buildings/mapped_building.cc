@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "client/simulator/campus/random_building.h"
-#include "client/simulator/sensors/noise.h"
 #include "client/simulator/simulation.h"
+#include "core/base/noise.h"
 #include "core/grid/log_odds_grid.h"
 #include "core/grid/scan_rays.h"
 #include "core/slam/mapper/log_mapper.h"
@@ -77,7 +77,7 @@ MapPair TwoMapsOfABuilding(std::uint64_t seed, Mapping mapping) {
   simulator::BuildingOptions options;
   options.passages = 8;
   const simulator::Campus campus = simulator::RandomBuilding(seed, options);
-  simulator::Noise noise(seed);
+  Noise noise(seed);
   const auto frame = [&] {
     return Pose2{noise.Uniform(-20.0, 20.0), noise.Uniform(-20.0, 20.0), noise.Uniform(-M_PI, M_PI)};
   };

@@ -10,15 +10,20 @@
 
 namespace enfilade::prior {
 
+// Draws a wall between two points of the sheet.
+inline void DrawWall(PlanGraph& plan, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const int first = static_cast<int>(plan.corners.size());
+  plan.corners.push_back({from});
+  plan.corners.push_back({to});
+  plan.walls.push_back({.from = first, .to = first + 1});
+}
+
 // A building of 44 m x 24 m without any symmetry, at 20 units a metre: a corridor with rooms of different widths on
 // both sides, a hall at one end.
 inline PlanGraph DrawnBuilding() {
   PlanGraph plan;
   const auto wall = [&](double x0, double y0, double x1, double y1) {
-    const int first = static_cast<int>(plan.corners.size());
-    plan.corners.push_back({20 * Eigen::Vector2d(x0, y0)});
-    plan.corners.push_back({20 * Eigen::Vector2d(x1, y1)});
-    plan.walls.push_back({.from = first, .to = first + 1});
+    DrawWall(plan, 20 * Eigen::Vector2d(x0, y0), 20 * Eigen::Vector2d(x1, y1));
   };
   wall(0, 0, 44, 0), wall(44, 0, 44, 16), wall(44, 16, 34, 16), wall(34, 16, 34, 24), wall(34, 24, 0, 24),
       wall(0, 24, 0, 0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/prior/plan/plan_graph.h"
+#include "tests/support/plans/drawn_building.h"
 
 namespace enfilade::prior {
 
@@ -24,10 +25,7 @@ inline PlanGraph RandomBuilding(unsigned seed, const BuildingShell& shell) {
   };
   PlanGraph plan;
   const auto wall = [&](double x0, double y0, double x1, double y1) {
-    const int first = static_cast<int>(plan.corners.size());
-    plan.corners.push_back({20 * Eigen::Vector2d(x0, y0)});
-    plan.corners.push_back({20 * Eigen::Vector2d(x1, y1)});
-    plan.walls.push_back({.from = first, .to = first + 1});
+    DrawWall(plan, 20 * Eigen::Vector2d(x0, y0), 20 * Eigen::Vector2d(x1, y1));
   };
   const double width = shell.width, depth = shell.depth;
   wall(0, 0, width, 0), wall(width, 0, width, depth), wall(width, depth, 0, depth), wall(0, depth, 0, 0);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/graph/plans/shared_walls.h"
+#include "tests/support/plans/sample_ties.h"
 #include "tests/support/status_assertions.h"
 #include "tests/unit/core/graph/scene.h"
 
@@ -14,34 +15,17 @@ namespace {
 
 using testing::M;
 
-PlanTies Sample() {
-  PlanTies ties;
-  ties.corners = {{0, 0}, {4, 0}, {4, 3}};
-  ties.struts = {{0, 1, 7}, {1, 2, -1}};
-  ties.maps = {{M("a"), {1, 2, 0.5}}, {M("b"), {}}};
-  ties.sightings = {{.strut = 0,
-                     .map = M("a"),
-                     .T_map_line = {1, 2, 3},
-                     .along = 0.5,
-                     .length = 2,
-                     .across_sigma = 0.05,
-                     .yaw_sigma = 0.01}};
-  ties.corner_sigma = 0.2;
-  ties.stretch_sigma = 0.05;
-  return ties;
-}
-
 TEST(PlanTiesTest, AreReadAsTheyWereWritten) {
-  ASSERT_OK_AND_ASSIGN(const PlanTies read, DecodePlanTies(EncodePlanTies(Sample())));
-  EXPECT_EQ(read, Sample());
+  ASSERT_OK_AND_ASSIGN(const PlanTies read, DecodePlanTies(EncodePlanTies(SampleTies())));
+  EXPECT_EQ(read, SampleTies());
 }
 
 TEST(PlanTiesTest, WhatWasSeenInOtherMapsIsDropped) {
-  PlanTies ties = Sample();
+  PlanTies ties = SampleTies();
   ties.KeepMaps({M("a"), M("c")});
   EXPECT_TRUE(ties.HasSeen(M("a")));
   EXPECT_FALSE(ties.HasSeen(M("b")));
-  EXPECT_EQ(ties.sightings, Sample().sightings);
+  EXPECT_EQ(ties.sightings, SampleTies().sightings);
   ties.KeepMaps({M("b")});
   EXPECT_TRUE(ties.sightings.empty());
   EXPECT_TRUE(ties.maps.empty());
@@ -71,7 +55,7 @@ TEST(ShareOfWallsTest, IsThatOfTheShorterPlan) {
 }
 
 TEST(PlanTiesTest, EveryCutIsNoticed) {
-  const std::string bytes = EncodePlanTies(Sample());
+  const std::string bytes = EncodePlanTies(SampleTies());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_CODE(DecodePlanTies(bytes.substr(0, size)), absl::StatusCode::kDataLoss) << size;
   }
@@ -80,7 +64,7 @@ TEST(PlanTiesTest, EveryCutIsNoticed) {
 
 TEST(PlanTiesTest, WhatMakesNoSenseIsRefused) {
   const auto refused = [](void (*damage)(PlanTies&)) {
-    PlanTies ties = Sample();
+    PlanTies ties = SampleTies();
     damage(ties);
     EXPECT_CODE(DecodePlanTies(EncodePlanTies(ties)), absl::StatusCode::kDataLoss);
   };
@@ -91,7 +75,7 @@ TEST(PlanTiesTest, WhatMakesNoSenseIsRefused) {
   refused([](PlanTies& ties) { ties.sightings[0].across_sigma = 0; });
   refused([](PlanTies& ties) { ties.maps[1].T_plan_map.x = std::numeric_limits<double>::quiet_NaN(); });
   refused([](PlanTies& ties) { ties.corner_sigma = -1; });
-  std::string newer = EncodePlanTies(Sample());
+  std::string newer = EncodePlanTies(SampleTies());
   newer[0] = 2;
   EXPECT_CODE(DecodePlanTies(newer), absl::StatusCode::kFailedPrecondition);
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/simulator/sensors/noise.h"
+#include "core/base/noise.h"
 #include "gmock/gmock.h"
 #include "tests/support/buildings/mapped_building.h"
 #include "tests/support/pose_matchers.h"
@@ -63,7 +63,7 @@ TEST(AlignMapsTest, FindsThePlaceFromAGuessThatIsOffBy3MetresAnd20Degrees) {
   int in_ellipse = 0;
   for (int i = 0; i < kBuildings; ++i) {
     const std::uint64_t seed = kFirstSeed + static_cast<std::uint64_t>(i);
-    simulator::Noise noise(seed);
+    Noise noise(seed);
     const double direction = noise.Uniform(-M_PI, M_PI);
     const double turn = (noise.Chance(0.5) ? 20.0 : -20.0) * kDegree;
     const auto error = ErrorOf(TwoMapsOfABuilding(seed), {3.0 * std::cos(direction), 3.0 * std::sin(direction), turn});
