@@ -116,6 +116,10 @@ func isTile(path string) bool {
 }
 
 func isExport(path string) bool {
+	// The files of a prior map are stored: the server renders nothing, and a page shows several at once.
+	if strings.Contains(path, "/priorMaps/") {
+		return false
+	}
 	for _, end := range []string{":export", "/files", "/graph.geojson", "/trajectory.csv", "/composite.png", "/mvt.json"} {
 		if strings.HasSuffix(path, end) {
 			return true

@@ -24,7 +24,7 @@ func TestAThirdExportWaitsUntilOneHasEnded(t *testing.T) {
 		<-release
 	})
 	handler := limitRates(slow, Rates{Exports: 2})
-	ended := make(chan int, 3)
+	ended := make(chan int, 4)
 	export := func(path, address string) { ended <- ask(handler, path, address).Code }
 	go export("/v1/sites/s/graph.geojson", "192.0.2.1")
 	go export("/v1/sites/s/maps/m:export", "192.0.2.1")
@@ -36,8 +36,10 @@ func TestAThirdExportWaitsUntilOneHasEnded(t *testing.T) {
 	}
 	go export("/v1/sites/s/graph.geojson", "192.0.2.2") // of another address
 	<-begun
+	go export("/v1/sites/s/priorMaps/p/files/plan.geojson", "192.0.2.1") // is stored
+	<-begun
 	close(release)
-	for range 3 {
+	for range 4 {
 		if status := <-ended; status != http.StatusOK {
 			t.Errorf("status %d", status)
 		}
