@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -12,13 +11,17 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/prior/alignment/directions.h"
+#include "core/prior/alignment/plan_shapes.h"
 #include "core/prior/alignment/refine.h"
 #include "core/prior/alignment/sheet_search.h"
 
 namespace enfilade::prior {
 namespace {
 
+// Images of the plan: of the first search, which tries all turns, scales and stretches, and of the second one.
+constexpr int kCoarseCells = 64;
+constexpr int kFineCells = 128;
+constexpr std::size_t kMostFine = 200;        // shapes
 constexpr std::size_t kMostCandidates = 200;  // refined quickly
 constexpr std::size_t kMostFinalists = 20;    // refined well
 constexpr std::size_t kQuickPoints = 500;
@@ -54,27 +57,23 @@ class Aligner {
     return count > 0 ? sum / count : kSamePlace * 10;
   }
 
-  std::vector<Candidate> Search() const {
-    const SheetSearch search(faces_, evidence_);
-    const std::vector<double> scales = ScalesOf(search);
-    std::vector<Candidate> candidates;
-    for (const bool mirrored : {false, true}) {
-      if (options_.known_shape && options_.known_shape->mirrored() != mirrored) continue;
-      for (const double turn : LikelyTurns(faces_, evidence_, mirrored)) {
-        for (int quarter = 0; quarter < 4; ++quarter) {
-          const Eigen::Rotation2Dd rotation(turn + quarter * 0.5 * M_PI);
-          const Eigen::Matrix2d turned =
-              rotation.toRotationMatrix() * Eigen::Vector2d(1, mirrored ? 1 : -1).asDiagonal();
-          for (const double scale : scales) {
-            for (const FoundTransform& found : search.Find(scale * turned)) {
-              candidates.push_back({.transform = found.T_map_sheet, .score = found.score, .agreement = {}});
-            }
-          }
-        }
-      }
-    }
+  // The best places, the best one first.
+  std::vector<Candidate> Finalists(Stretch stretch) const {
+    std::vector<Candidate> candidates = Search(stretch);
+    RefineAll(candidates, {.widest = 3.0, .narrowest = 0.5, .rounds = 10, .most_points = kQuickPoints});
+    candidates = Distinct(candidates, kSamePlace, kMostFinalists);
+    for (Candidate& candidate : candidates) candidate = BestModel(candidate, 1.5);
+    return candidates;
+  }
+
+  // Several searches' finalists as those of one.
+  std::vector<Candidate> Ranked(std::vector<Candidate> candidates) const {
     Sort(candidates);
-    return Distinct(candidates, 0.03 * search_radius(), kMostCandidates);
+    candidates = Distinct(candidates, kSamePlace, kMostFinalists);
+    if (candidates.empty()) return candidates;
+    candidates.front() = Simplest(candidates.front());
+    Sort(candidates);
+    return candidates;
   }
 
   void RefineAll(std::vector<Candidate>& candidates, const RefineOptions& options) const {
@@ -90,7 +89,7 @@ class Aligner {
     candidate.score = ScoreOf(candidate.agreement);
   }
 
-  // The simplest model that explains the map nearly as well as any.
+  // The simplest model, from that of the start on, that explains the map nearly as well as any.
   Candidate BestModel(const Candidate& start, double widest) const {
     Candidate best = start;
     for (const TransformModel model :
@@ -101,9 +100,18 @@ class Aligner {
       next.transform = Refine(faces_, evidence_, best.transform,
                               {.model = model, .widest = model == TransformModel::kSimilarity ? widest : 1.0});
       Judge(next);
-      if (model == TransformModel::kSimilarity || 1 - next.score < options_.most_left * (1 - best.score)) best = next;
+      const double most_left = model <= start.model ? 1.0 : options_.most_left;
+      if (model == TransformModel::kSimilarity || 1 - next.score < most_left * (1 - best.score)) best = next;
     }
     return best;
+  }
+
+  // The place without its distortion, if that explains the map nearly as well.
+  Candidate Simplest(const Candidate& candidate) const {
+    if (candidate.model == TransformModel::kSimilarity) return candidate;
+    Candidate simple{.transform = AsSimilarity(candidate.transform, map_centre()), .agreement = {}};
+    simple = BestModel(simple, 1.5);
+    return 1 - candidate.score < options_.most_left * (1 - simple.score) ? candidate : simple;
   }
 
   std::vector<Candidate> Distinct(const std::vector<Candidate>& sorted, double apart, std::size_t most) const {
@@ -137,6 +145,11 @@ class Aligner {
     return lengths(0) < kOneDirection * lengths(1);
   }
 
+  Eigen::Vector2d map_centre() const {
+    const Eigen::Vector2d size(evidence_.geometry.width, evidence_.geometry.height);
+    return evidence_.geometry.T_map_grid * (0.5 * evidence_.geometry.resolution * size);
+  }
+
   double search_radius() const {
     return 0.5 * evidence_.geometry.resolution * std::hypot(evidence_.geometry.width, evidence_.geometry.height);
   }
@@ -144,10 +157,40 @@ class Aligner {
   static constexpr double kReach = 1.5;  // m
 
  private:
-  std::vector<double> ScalesOf(const SheetSearch& search) const {
-    if (!options_.known_shape) return search.Scales();
-    const double scale = options_.known_shape->scale();
-    return {(1 - kKnownScale) * scale, scale, (1 + kKnownScale) * scale};
+  std::vector<Candidate> Search(Stretch stretch) const {
+    const SheetSearch coarse(faces_, evidence_, kCoarseCells);
+    const std::vector<PlanShape> shapes =
+        options_.known_shape
+            ? TurnsOf(*options_.known_shape, faces_, evidence_, {1 - kKnownScale, 1.0, 1 + kKnownScale})
+            : ShapesToTry(faces_, evidence_, coarse.Scales(), stretch);
+    const std::vector<PlanShape> likely = BestShapes(FindAll(coarse, shapes));
+    return Distinct(FindAll(SheetSearch(faces_, evidence_, kFineCells), likely), 0.03 * search_radius(),
+                    kMostCandidates);
+  }
+
+  // Those of the best candidates. `sorted`: the best one first.
+  static std::vector<PlanShape> BestShapes(const std::vector<Candidate>& sorted) {
+    std::vector<PlanShape> shapes;
+    for (const Candidate& candidate : sorted) {
+      if (shapes.size() == kMostFine) break;
+      const bool is_new = std::none_of(shapes.begin(), shapes.end(), [&](const PlanShape& other) {
+        return other.linear == candidate.transform.linear;
+      });
+      if (is_new) shapes.push_back({candidate.transform.linear, candidate.model});
+    }
+    return shapes;
+  }
+
+  // The best offsets of each shape, the best of all first.
+  static std::vector<Candidate> FindAll(const SheetSearch& search, const std::vector<PlanShape>& shapes) {
+    std::vector<Candidate> found;
+    for (const PlanShape& shape : shapes) {
+      for (const FoundTransform& place : search.Find(shape.linear)) {
+        found.push_back({.transform = place.T_map_sheet, .model = shape.model, .score = place.score, .agreement = {}});
+      }
+    }
+    Sort(found);
+    return found;
   }
 
   std::vector<WallFace> faces_;
@@ -198,8 +241,7 @@ Alignment RefinedFrom(const Aligner& aligner, Candidate start, double within) {
 }
 
 bool IsAllowed(const PlanTransform& transform, const AlignOptions& options) {
-  const double ratio = transform.linear.col(0).norm() / transform.linear.col(1).norm();
-  return options.widest_model != TransformModel::kSimilarity || std::abs(ratio - 1) < 1e-6;
+  return options.widest_model != TransformModel::kSimilarity || IsSimilarity(transform);
 }
 
 // Does it fit better, and if it is the more unusual of the two by as much as that takes?
@@ -211,6 +253,29 @@ bool IsBetter(const Alignment& next, const Alignment& best, const AlignOptions& 
     return mirrored ? score > options.mirror_gain * known : options.mirror_gain * score > known;
   }
   return 1 - score < options.most_left * (1 - known);
+}
+
+// Whether the best of some places is believed. `ranked`: the best one first.
+Alignment Verdict(const PlanGraph& plan, const std::vector<Candidate>& ranked, const AlignOptions& options) {
+  if (ranked.empty()) return {.reason = "no place on the plan fits", .T_map_sheet = {}, .agreement = {}};
+  Alignment alignment = ToAlignment(ranked.front());
+  const double rival = ranked.size() > 1 ? ranked[1].score : 0;
+  alignment.rival_ratio = rival > 0 ? ranked.front().score / rival : 99;
+  alignment.reason = ObjectionTo(alignment, options);
+  const bool could_be_straight = alignment.T_map_sheet.mirrored() && !options.known_shape;
+  const bool sure = alignment.agreement.explained >= options.sure_explained &&
+                    alignment.agreement.contradicted() <= options.sure_contradicted;
+  const double needed =
+      (sure ? options.sure_rival_ratio : options.least_rival_ratio) * (could_be_straight ? options.mirror_gain : 1);
+  if (alignment.reason.empty() && alignment.rival_ratio < needed) {
+    alignment.reason = fmt::format("another place fits nearly as well: {:.2f} times, {:.2f} are needed",
+                                   alignment.rival_ratio, needed);
+  }
+  alignment.accepted = alignment.reason.empty();
+  if (alignment.accepted)
+    alignment.reason = fmt::format("fits {:.2f} times as well as any other place{}", alignment.rival_ratio,
+                                   NoteOnScale(plan, alignment.T_map_sheet));
+  return alignment;
 }
 
 }  // namespace
@@ -260,33 +325,16 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   none.reason = "the map has no walls";
   if (evidence.walls.empty() || plan.walls.empty()) return none;
   const Aligner aligner(plan, evidence, options);
-  std::vector<Candidate> candidates = aligner.Search();
-  none.reason = "no place on the plan fits";
-  if (candidates.empty()) return none;
-  aligner.RefineAll(candidates, {.widest = 3.0, .narrowest = 0.5, .rounds = 10, .most_points = kQuickPoints});
-  candidates = aligner.Distinct(candidates, kSamePlace, kMostFinalists);
-  for (Candidate& candidate : candidates) candidate = aligner.BestModel(candidate, 1.5);
-  Aligner::Sort(candidates);
-  candidates = aligner.Distinct(candidates, kSamePlace, kMostFinalists);
-
-  Alignment alignment = ToAlignment(candidates.front());
-  const double rival = candidates.size() > 1 ? candidates[1].score : 0;
-  alignment.rival_ratio = rival > 0 ? candidates.front().score / rival : 99;
-  alignment.reason = ObjectionTo(alignment, options);
-  const bool could_be_straight = alignment.T_map_sheet.mirrored() && !options.known_shape;
-  const bool sure = alignment.agreement.explained >= options.sure_explained &&
-                    alignment.agreement.contradicted() <= options.sure_contradicted;
-  const double needed =
-      (sure ? options.sure_rival_ratio : options.least_rival_ratio) * (could_be_straight ? options.mirror_gain : 1);
-  if (alignment.reason.empty() && alignment.rival_ratio < needed) {
-    alignment.reason = fmt::format("another place fits nearly as well: {:.2f} times, {:.2f} are needed",
-                                   alignment.rival_ratio, needed);
-  }
-  alignment.accepted = alignment.reason.empty();
-  if (alignment.accepted)
-    alignment.reason = fmt::format("fits {:.2f} times as well as any other place{}", alignment.rival_ratio,
-                                   NoteOnScale(plan, alignment.T_map_sheet));
-  return alignment;
+  std::vector<Candidate> candidates = aligner.Ranked(aligner.Finalists(Stretch::kNone));
+  Alignment alignment = Verdict(plan, candidates, options);
+  if (alignment.accepted || options.known_shape || options.widest_model != TransformModel::kAffine) return alignment;
+  // With more freedom a wrong plan fits better, too: a right one must explain more.
+  AlignOptions strict = options;
+  strict.least_explained = options.sure_explained;
+  strict.most_contradicted = options.sure_contradicted;
+  for (Candidate& stretched : aligner.Finalists(Stretch::kAlongWalls)) candidates.push_back(std::move(stretched));
+  Alignment stretched = Verdict(plan, aligner.Ranked(std::move(candidates)), strict);
+  return stretched.accepted ? stretched : alignment;
 }
 
 }  // namespace enfilade::prior

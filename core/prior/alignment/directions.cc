@@ -80,4 +80,9 @@ std::vector<double> LikelyTurns(const std::vector<WallFace>& faces_sheet, const 
   return turns;
 }
 
+double MainDirection(const std::vector<WallFace>& faces_sheet) {
+  const Histogram plan = OfPlan(faces_sheet, true);
+  return static_cast<double>(std::max_element(plan.begin(), plan.end()) - plan.begin()) * kBin;
+}
+
 }  // namespace enfilade::prior

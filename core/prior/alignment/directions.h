@@ -14,4 +14,7 @@ namespace enfilade::prior {
 // because the wings of a building may have directions of their own.
 std::vector<double> LikelyTurns(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence, bool mirrored);
 
+// The direction of most walls of the plan in its sheet, modulo 90 degrees: rad in [0, pi / 2).
+double MainDirection(const std::vector<WallFace>& faces_sheet);
+
 }  // namespace enfilade::prior

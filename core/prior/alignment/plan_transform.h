@@ -22,6 +22,12 @@ struct PlanTransform {
   double scale() const;
 };
 
+// Whether both axes have one scale and are at right angles.
+bool IsSimilarity(const PlanTransform& transform);
+
+// The similarity that turns and scales alike (the polar decomposition), and places `fixed_map`, m, alike.
+PlanTransform AsSimilarity(const PlanTransform& T_map_sheet, const Eigen::Vector2d& fixed_map);
+
 // The same point of the map, in the sheet.
 Eigen::Vector2d ToSheet(const PlanTransform& T_map_sheet, const Eigen::Vector2d& point_map);
 

@@ -43,7 +43,8 @@ Eigen::Vector2d MiddleOf(const std::vector<WallPoint>& walls) {
 
 }  // namespace
 
-SheetSearch::SheetSearch(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence) : evidence_(evidence) {
+SheetSearch::SheetSearch(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence, int cells)
+    : evidence_(evidence) {
   Eigen::Vector2d max = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
   min_ = -max;
   for (const WallFace& face : faces_sheet) {
@@ -51,7 +52,7 @@ SheetSearch::SheetSearch(const std::vector<WallFace>& faces_sheet, const MapEvid
     max = max.cwiseMax(face.from).cwiseMax(face.to);
   }
   size_ = max - min_;
-  cell_ = size_.maxCoeff() / kSheetCells;
+  cell_ = size_.maxCoeff() / cells;
 
   map_centre_ = MiddleOf(evidence.walls);
   map_radius_ = RadiusAbout(map_centre_, evidence.walls);

@@ -16,12 +16,11 @@ struct FoundTransform {
 };
 
 // Finds where on a sheet a map may lie, for a given turn and scale, by correlating images of both at all offsets at
-// once (the convolution theorem). The images are coarse: the sheet's longer side has kSheetCells cells.
+// once (the convolution theorem).
 class SheetSearch {
  public:
-  static constexpr int kSheetCells = 128;
-
-  SheetSearch(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence);
+  // `cells`: of the images, along the sheet's longer side.
+  SheetSearch(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence, int cells);
 
   // The scales (m per unit) that are worth trying, the smallest first: the map is no larger than the sheet's walls, and
   // no smaller than a fraction of them.

@@ -9,12 +9,12 @@
 namespace enfilade::prior {
 namespace {
 
-constexpr double kBucket = 1.0;     // m
-constexpr int kMostBuckets = 4096;  // a side
+constexpr double kLeastBucket = 1.0;    // m
+constexpr double kBucketByReach = 0.4;  // a wall is in the buckets within reach: smaller ones take long to fill
+constexpr int kMostBuckets = 4096;      // a side
 
-// Of an offset, m; cut to what an index can have.
-int BucketOf(double offset) {
-  const double bucket = offset / kBucket;
+// Of an offset by the size of one; cut to what an index can have.
+int BucketOf(double bucket) {
   if (!(bucket < kMostBuckets)) return kMostBuckets;  // not a number, too
   return static_cast<int>(std::max(bucket, -1.0));
 }
@@ -57,7 +57,8 @@ std::vector<WallFace> Transformed(const std::vector<WallFace>& faces, const Plan
   return moved;
 }
 
-FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach) : faces_(std::move(faces)), reach_(reach) {
+FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach)
+    : faces_(std::move(faces)), reach_(reach), bucket_(std::max(kLeastBucket, kBucketByReach * reach)) {
   if (faces_.empty()) return;
   Eigen::Vector2d max = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
   min_ = -max;
@@ -67,21 +68,21 @@ FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach) : faces_(std::mo
   }
   min_.array() -= reach;
   max.array() += reach;
-  columns_ = std::min(kMostBuckets, BucketOf(max.x() - min_.x()) + 1);
-  rows_ = std::min(kMostBuckets, BucketOf(max.y() - min_.y()) + 1);
+  columns_ = std::min(kMostBuckets, BucketOf((max.x() - min_.x()) / bucket_) + 1);
+  rows_ = std::min(kMostBuckets, BucketOf((max.y() - min_.y()) / bucket_) + 1);
 
   // Twice: first the sizes of the buckets, then what is in them.
   const auto for_each_bucket = [&](const auto& act) {
-    const double farthest = reach + kBucket * M_SQRT1_2;
+    const double farthest = reach + bucket_ * M_SQRT1_2;
     for (int i = 0; i < static_cast<int>(faces_.size()); ++i) {
       const WallFace& face = faces_[i];
-      const Eigen::Vector2d low = (face.from.cwiseMin(face.to) - min_).array() - reach;
-      const Eigen::Vector2d high = (face.from.cwiseMax(face.to) - min_).array() + reach;
+      const Eigen::Vector2d low = ((face.from.cwiseMin(face.to) - min_).array() - reach) / bucket_;
+      const Eigen::Vector2d high = ((face.from.cwiseMax(face.to) - min_).array() + reach) / bucket_;
       const int right = std::min(columns_ - 1, BucketOf(high.x()));
       const int top = std::min(rows_ - 1, BucketOf(high.y()));
       for (int row = std::max(0, BucketOf(low.y())); row <= top; ++row) {
         for (int column = std::max(0, BucketOf(low.x())); column <= right; ++column) {
-          const Eigen::Vector2d centre = min_ + kBucket * Eigen::Vector2d(column + 0.5, row + 0.5);
+          const Eigen::Vector2d centre = min_ + bucket_ * Eigen::Vector2d(column + 0.5, row + 0.5);
           if ((FootOn(face, centre).point - centre).norm() <= farthest) act(row * columns_ + column, i);
         }
       }
@@ -98,7 +99,7 @@ FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach) : faces_(std::mo
 std::optional<NearestFace> FaceIndex::Nearest(const Eigen::Vector2d& point, const Eigen::Vector2d& along,
                                               double max_angle, const Eigen::Vector2d& open) const {
   if (faces_.empty()) return std::nullopt;
-  const Eigen::Vector2d offset = (point - min_) / kBucket;
+  const Eigen::Vector2d offset = (point - min_) / bucket_;
   if (!(offset.x() >= 0 && offset.y() >= 0 && offset.x() < columns_ && offset.y() < rows_)) return std::nullopt;
   const int bucket = static_cast<int>(offset.y()) * columns_ + static_cast<int>(offset.x());
   const bool directed = along.squaredNorm() > 0;

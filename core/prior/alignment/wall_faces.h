@@ -46,6 +46,7 @@ class FaceIndex {
  private:
   std::vector<WallFace> faces_;
   double reach_;
+  double bucket_;  // m, the side of one
   Eigen::Vector2d min_ = Eigen::Vector2d::Zero();
   int columns_ = 0;
   int rows_ = 0;

@@ -9,10 +9,11 @@
 
 namespace enfilade::prior {
 
-// How wrong plans are: standard deviations of what adds up to a displacement.
+// How wrong plans are: standard deviations of what adds up to a displacement. Where the plan lies as a whole is known
+// well before it is corrected; a shift may be left of walls that its kernel took for furniture.
 struct FieldModel {
   double shift = 0.5;        // m
-  double turn = 0.02;        // rad, and relative growth
+  double turn = 0.005;       // rad, and relative growth
   double distortion = 0.03;  // stretch of one axis against the other, and shear
   double bend = 0.3;         // m, that vary smoothly, over about `range`
   double range = 15;         // m

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -28,7 +27,7 @@ AlignOptions AlignOptionsOf(FitMode mode) {
   AlignOptions options;
   // ACG places a plan by a similarity.
   if (mode == FitMode::kSimilarity || mode == FitMode::kAcg) options.widest_model = TransformModel::kSimilarity;
-  if (mode == FitMode::kAffine) options.most_left = std::numeric_limits<double>::infinity();
+  if (mode == FitMode::kAffine) options.most_left = 1;  // whatever fits no worse
   return options;
 }
 

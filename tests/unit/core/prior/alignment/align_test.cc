@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/prior/correction/correct_plan.h"
 #include "tests/support/plans/drawn_building.h"
@@ -49,10 +51,59 @@ TEST_P(AlignByItself, FindsThePlanInTheMap) {
   EXPECT_EQ(alignment.T_map_sheet.mirrored(), GetParam().mirrored);
   EXPECT_LT(LargestError(plan, alignment.T_map_sheet, truth), 0.2);
   EXPECT_GT(alignment.agreement.explained, 0.95);
+  EXPECT_EQ(alignment.model, TransformModel::kSimilarity);
 }
 
 INSTANTIATE_TEST_SUITE_P(Turns, AlignByItself,
                          testing::Values(Case{0.3, 0.05, false}, Case{2.0, 0.04, false}, Case{-1.1, 0.06, true}));
+
+// Of a sheet on which the building is turned by `turn`.
+PlanTransform Stretched(double turn, double ratio) {
+  PlanTransform transform = Turned(0.3, 0.05, false);
+  const Eigen::Matrix2d axes = Eigen::Rotation2Dd(turn).toRotationMatrix();
+  const double root = std::sqrt(ratio);
+  transform.linear = transform.linear * Eigen::Vector2d(root, 1 / root).asDiagonal() * axes.transpose();
+  return transform;
+}
+
+PlanGraph TurnedOnTheSheet(PlanGraph plan, double turn) {
+  for (PlanCorner& corner : plan.corners) corner.point = Eigen::Rotation2Dd(turn) * corner.point;
+  return plan;
+}
+
+TEST(AlignByItselfTest, FindsAPlanWhoseAxesHaveDifferentScales) {
+  const PlanGraph plan = DrawnBuilding();
+  for (const auto& [ratio, turn] : {std::pair(0.75, 0.0), std::pair(1.35, 0.5)}) {
+    const PlanTransform truth = Stretched(turn, ratio);
+    const PlanGraph turned = TurnedOnTheSheet(plan, turn);
+    const MapEvidence evidence = EvidenceOf(MapOf(plan, Stretched(0, ratio), IsLeft));
+    const Alignment alignment = prior::AlignByItself(turned, evidence, {});
+    EXPECT_TRUE(alignment.accepted) << ratio << " " << turn << ": " << alignment.reason;
+    EXPECT_LT(LargestError(turned, alignment.T_map_sheet, truth), 0.3) << ratio << " " << turn;
+  }
+}
+
+TEST(AlignByItselfTest, ASecondMapIsFoundWithTheShapeThatTheFirstOneTells) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform shape = Stretched(0, 1.3);
+  const PlanTransform truth = Pose2{4.0, -9.0, 1.2} * shape;
+  const AlignOptions options{.known_shape = shape};
+  const Alignment alignment = prior::AlignByItself(plan, EvidenceOf(MapOf(plan, truth, IsLeft)), options);
+  EXPECT_TRUE(alignment.accepted) << alignment.reason;
+  EXPECT_LT(LargestError(plan, alignment.T_map_sheet, truth), 0.2);
+}
+
+TEST(PlanTransformTest, IsASimilarityWithoutItsDistortion) {
+  const PlanTransform similarity = Turned(0.7, 0.05, true);
+  EXPECT_TRUE(IsSimilarity(similarity));
+  PlanTransform stretched = similarity;
+  stretched.linear = similarity.linear * Eigen::Vector2d(1.25, 0.8).asDiagonal();
+  EXPECT_FALSE(IsSimilarity(stretched));
+  const Eigen::Vector2d fixed(12, -3);
+  const PlanTransform found = AsSimilarity(stretched, fixed);
+  EXPECT_LT((found.linear - similarity.linear).norm(), 1e-12);
+  EXPECT_LT((found(ToSheet(stretched, fixed)) - fixed).norm(), 1e-9);
+}
 
 TEST(AlignByItselfTest, RefusesAMapOfAnotherBuilding) {
   const PlanGraph plan = DrawnBuilding();
