@@ -128,9 +128,9 @@ FieldModel LikeliestModel(const std::vector<PlanOffset>& offsets, const std::vec
   FieldModel best;
   double highest = -std::numeric_limits<double>::infinity();
   for (const double distortion : {0.003, 0.01, 0.03}) {
-    for (const double bend : {0.03, 0.15, 0.4, 0.7}) {
+    for (const double bend : {0.03, 0.15, 0.4}) {
       for (const double range : {5.0, 10.0, 25.0}) {
-        for (const double corner : {0.02, 0.06, 0.15, 0.3}) {
+        for (const double corner : {0.02, 0.06, 0.15}) {
           FieldModel model;
           model.distortion = distortion;
           model.bend = bend;
