@@ -17,7 +17,7 @@ test('docs: the reference lists every operation, opens one, and loads nothing fr
     page.on('request', (request) => asked.push(new URL(request.url()).origin));
     await page.goto(`${system.url}/docs`);
     await page.locator('.opblock-tag').first().waitFor();
-    // One after the other: of what is open, Swagger UI renders no more than what is in sight.
+    // One at a time: when many operations are open, Swagger UI renders only those in sight.
     const listed = page.locator('.opblock');
     for (const { name } of document.tags) {
       const count = operations.filter(({ tags }) => tags.includes(name)).length;

@@ -18,10 +18,10 @@
 namespace enfilade::prior {
 namespace {
 
-// Images of the plan: of the first search, which tries all turns, scales and stretches, and of the second one.
+// The search compares coarse images for all shapes, then finer ones for the best.
 constexpr int kCoarseCells = 64;
 constexpr int kFineCells = 128;
-constexpr std::size_t kMostFine = 200;        // shapes
+constexpr std::size_t kMostShapes = 200;      // that are compared in fine images
 constexpr std::size_t kMostCandidates = 200;  // refined quickly
 constexpr std::size_t kMostFinalists = 20;    // refined well
 constexpr std::size_t kQuickPoints = 500;
@@ -57,7 +57,7 @@ class Aligner {
     return count > 0 ? sum / count : kSamePlace * 10;
   }
 
-  // The best places, the best one first.
+  // The best places of a search, refined; not sorted.
   std::vector<Candidate> Finalists(Stretch stretch) const {
     std::vector<Candidate> candidates = Search(stretch);
     RefineAll(candidates, {.widest = 3.0, .narrowest = 0.5, .rounds = 10, .most_points = kQuickPoints});
@@ -66,7 +66,7 @@ class Aligner {
     return candidates;
   }
 
-  // Several searches' finalists as those of one.
+  // The finalists of one search or several, the best first, each place once.
   std::vector<Candidate> Ranked(std::vector<Candidate> candidates) const {
     Sort(candidates);
     candidates = Distinct(candidates, kSamePlace, kMostFinalists);
@@ -168,11 +168,11 @@ class Aligner {
                     kMostCandidates);
   }
 
-  // Those of the best candidates. `sorted`: the best one first.
+  // The shapes of the best candidates, each once. `sorted`: the best candidate first.
   static std::vector<PlanShape> BestShapes(const std::vector<Candidate>& sorted) {
     std::vector<PlanShape> shapes;
     for (const Candidate& candidate : sorted) {
-      if (shapes.size() == kMostFine) break;
+      if (shapes.size() == kMostShapes) break;
       const bool is_new = std::none_of(shapes.begin(), shapes.end(), [&](const PlanShape& other) {
         return other.linear == candidate.transform.linear;
       });
@@ -328,7 +328,7 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   std::vector<Candidate> candidates = aligner.Ranked(aligner.Finalists(Stretch::kNone));
   Alignment alignment = Verdict(plan, candidates, options);
   if (alignment.accepted || options.known_shape || options.widest_model != TransformModel::kAffine) return alignment;
-  // With more freedom a wrong plan fits better, too: a right one must explain more.
+  // With more freedom wrong plans fit better, too, so more is asked of a place.
   AlignOptions strict = options;
   strict.least_explained = options.sure_explained;
   strict.most_contradicted = options.sure_contradicted;

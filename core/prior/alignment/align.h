@@ -41,7 +41,7 @@ struct AlignOptions {
   TransformModel widest_model = TransformModel::kAffine;
   // A distortion is taken if it leaves at most this share of what the simpler one leaves unexplained.
   double most_left = 0.9;
-  // Only places like this one: as large within kKnownScale, and stretched and mirrored or not as it is.
+  // Only places like this one: its size within kKnownScale, its stretch, and mirrored if it is.
   std::optional<PlanTransform> known_shape = std::nullopt;
 };
 
@@ -57,7 +57,7 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 // Without any help: all turns that bring the directions of walls together, all scales, all offsets, straight and
 // mirrored (SheetSearch); the best are refined (Refine) and compared. The best place is accepted if it explains enough
 // of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place. If
-// none is, the axes may have different scales, for which a place must explain as much as a sure one.
+// none is accepted, shapes whose axes have different scales are tried, which must meet the limits of a sure place.
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
 
 // From a place that is about right: the plan is moved onto the map's walls. Accepted if it explains enough and is

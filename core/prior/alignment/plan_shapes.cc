@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStretch = 1.12;  // of an axis; the other one shrinks as much
 
-// `stretches`: what the sheet is multiplied by before it is turned and scaled.
+// `stretches`: their `linear` is applied to the sheet before it is turned and scaled.
 void AddTurns(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence, bool mirrored,
               const std::vector<PlanShape>& stretches, const std::vector<double>& scales,
               std::vector<PlanShape>& shapes) {

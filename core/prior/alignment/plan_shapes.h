@@ -18,14 +18,15 @@ struct PlanShape {
 };
 
 enum class Stretch : std::uint8_t {
-  kNone,        // both axes have one scale
-  kAlongWalls,  // plans are stretched along their walls, and by no more than a quarter
+  kNone,        // both axes have the same scale
+  kAlongWalls,  // the scale along the walls of one direction is a quarter larger than across them
 };
 
 // All turns that bring the directions of walls together, straight and mirrored, at all `scales` (m per unit).
 std::vector<PlanShape> ShapesToTry(const std::vector<WallFace>& faces_sheet, const MapEvidence& evidence,
                                    const std::vector<double>& scales, Stretch stretch);
-// Of a shape that is known: all turns of it, as mirrored as it is, at `scales` by which its own is multiplied.
+
+// The same of a known shape, which stays stretched and mirrored as it is. `scales` multiply its own.
 std::vector<PlanShape> TurnsOf(const PlanTransform& known_shape, const std::vector<WallFace>& faces_sheet,
                                const MapEvidence& evidence, const std::vector<double>& scales);
 

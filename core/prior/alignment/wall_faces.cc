@@ -10,10 +10,10 @@ namespace enfilade::prior {
 namespace {
 
 constexpr double kLeastBucket = 1.0;    // m
-constexpr double kBucketByReach = 0.4;  // a wall is in the buckets within reach: smaller ones take long to fill
+constexpr double kBucketByReach = 0.4;  // a wall is listed in all buckets within reach: small ones take long to fill
 constexpr int kMostBuckets = 4096;      // a side
 
-// Of an offset by the size of one; cut to what an index can have.
+// `bucket`: an offset, in buckets. The result is cut to what an index can have.
 int BucketOf(double bucket) {
   if (!(bucket < kMostBuckets)) return kMostBuckets;  // not a number, too
   return static_cast<int>(std::max(bucket, -1.0));

@@ -9,8 +9,8 @@
 
 namespace enfilade::prior {
 
-// How wrong plans are: standard deviations of what adds up to a displacement. Where the plan lies as a whole is known
-// well before it is corrected; a shift may be left of walls that its kernel took for furniture.
+// How wrong plans are: standard deviations of what adds up to a displacement. A plan is placed before it is corrected,
+// so little of its turn and growth is left.
 struct FieldModel {
   double shift = 0.5;        // m
   double turn = 0.005;       // rad, and relative growth
@@ -49,7 +49,7 @@ class DisplacementField : public PlanDisplacement {
 };
 
 // The model among a fixed set that explains the offsets best (empirical Bayes; at most 300 offsets are looked at). None
-// bends a plan so much that one of another building could pass.
+// is so flexible that the plan of another building would pass.
 FieldModel LikeliestModel(const std::vector<PlanOffset>& offsets, const std::vector<double>& weights);
 
 }  // namespace enfilade::prior

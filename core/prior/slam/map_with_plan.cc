@@ -209,16 +209,17 @@ class PlanMapper {
   // The pieces moved by what they have seen of the plan: of all rounds the one in which the map agrees most with the
   // plan and with itself.
   absl::StatusOr<FittedPieces> Tied(const FittedPieces& from) const {
-    std::shared_ptr<FittedPieces> best, last;
+    std::shared_ptr<FittedPieces> best;
+    std::shared_ptr<FittedPieces> last;  // keeps what `before` points to
     const FittedPieces* before = &from;
     std::vector<PieceLink> stated = from.cut.links;
     for (PieceLink& link : stated) {
       if (!link.is_closure) AddBending(1.0, link);
     }
-    double least = 1e9;
+    double least = 0;
     for (int round = 0; round < kTieRounds; ++round) {
-      const auto round_result = std::make_shared<FittedPieces>();
-      FittedPieces& next = *round_result;
+      auto tied = std::make_shared<FittedPieces>();
+      FittedPieces& next = *tied;
       next.mapped.map = from.mapped.map;
       next.cut = from.cut;
       std::vector<MapOfPlan> maps;
@@ -252,12 +253,12 @@ class PlanMapper {
       Refit(before->alignment.T_map_sheet, next);
       if (next.objection.empty()) next.objection = ObjectionOfClosures(stated, from.T_map_pieces, next.T_map_pieces);
       const double loss = next.loss() + (next.objection.empty() ? 0 : 10);
-      last = round_result;
-      before = last.get();
-      if (loss < least) {
+      if (!best || loss < least) {
         least = loss;
-        best = last;
+        best = tied;
       }
+      last = std::move(tied);
+      before = last.get();
     }
     return std::move(*best);
   }

@@ -69,7 +69,7 @@ func WriteError(w http.ResponseWriter, r *http.Request, err error) {
 	if problem.Code() == codes.Unavailable || problem.Code() == codes.ResourceExhausted {
 		w.Header().Set("Retry-After", strconv.Itoa(retryAfter(problem)))
 	}
-	message = strings.ToValidUTF8(message, "\uFFFD") // else it has no JSON
+	message = strings.ToValidUTF8(message, "\uFFFD") // JSON and Protobuf take nothing else
 	body := &spb.Status{Code: int32(problem.Code()), Message: message, Details: problem.Proto().GetDetails()}
 	encoded, encodeErr := protojson.Marshal(body)
 	if encodeErr != nil { // a detail of a type that is not known here
