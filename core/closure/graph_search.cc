@@ -55,6 +55,13 @@ PassedDoor FindPassedDoor(const DoorKnowledge& knowledge) {
     place.evidence.predicted = PoseAcross(link_point, knowledge.map->id, other->map, *knowledge.T_map_robot);
     passed.link_points.push_back({.known = std::move(known), .place = std::move(place)});
   }
+  // In a lift's cabin the doors of all levels are at one place.
+  const auto elsewhere = [&](const PassedLinkPoint& one) {
+    return !IsOnEnteredLevel(knowledge, one.place.anchor->map);
+  };
+  if (!std::all_of(passed.link_points.begin(), passed.link_points.end(), elsewhere)) {
+    std::erase_if(passed.link_points, elsewhere);
+  }
   return passed;
 }
 

@@ -254,6 +254,27 @@ TEST(GraphSearch, APassedDoorHasItsLinkPointsAndSightingsApart) {
   EXPECT_THAT(passed.sightings, ElementsAre(LinkPointId("sighting")));
 }
 
+TEST(GraphSearch, OfTheDoorsOfALiftThatOfTheEnteredLevelIsPassed) {
+  DoorScenario scenario;
+  const auto passed = [&] {
+    std::vector<std::string> ids;
+    for (const PassedLinkPoint& one : FindPassedDoor(scenario.Knowledge()).link_points) {
+      ids.push_back(one.known.link_point->id.value());
+    }
+    return ids;
+  };
+  scenario.Add("upper", {{"here", {10, 0, 0}}, {"attic", {0, 0, 0}}});
+  EXPECT_THAT(passed(), ElementsAre("upper")) << "into a cabin that is a map of another level";
+  scenario.Add("lower", {{"here", {10.4, 0, 0}}, {"room", {0, 0, 0}}});
+  EXPECT_THAT(passed(), ElementsAre("lower"));
+  scenario.knowledge().report.entered_level = 0;
+  EXPECT_THAT(passed(), ElementsAre("lower"));
+  scenario.knowledge().report.entered_level = 1;
+  EXPECT_THAT(passed(), ElementsAre("upper"));
+  scenario.knowledge().report.entered_level = 7;
+  EXPECT_THAT(passed(), IsEmpty());
+}
+
 TEST(GraphSearch, NeedsTheSessionsMapInTheGraph) {
   DoorScenario scenario;
   scenario.knowledge().map->id = MapId("deleted");
