@@ -39,6 +39,7 @@ void VisitOwn(Options& o, Visit visit) {
   visit("evidence.kept", o.evidence.kept, "images of each camera, and clouds, in memory");
   visit("evidence.report_behind", o.evidence.report_behind, "m behind the door at which a passage is reported");
   visit("evidence.report_after", o.evidence.report_after, "s after which it is reported in any case");
+  visit("evidence.report_standing", o.evidence.report_standing, "s of standing behind it after which it is reported");
   visit("evidence.all_hz", o.evidence.all_hz, "rate of images and clouds recorded everywhere; 0: near doors only");
   visit("spool.max_mib", o.spool.max_mib, "the largest size of the spool file");
   visit("spool.wait_when_full", o.spool.wait_when_full,
@@ -88,6 +89,7 @@ absl::Status ValidateEvidence(const EvidenceOptions& o) {
   }
   ENFILADE_RETURN_IF_ERROR(Positive("evidence.max_age", o.max_age));
   ENFILADE_RETURN_IF_ERROR(Positive("evidence.report_after", o.report_after));
+  ENFILADE_RETURN_IF_ERROR(Positive("evidence.report_standing", o.report_standing));
   for (const auto& [name, value] :
        {std::pair("evidence.spacing", o.spacing), std::pair("evidence.turn", o.turn),
         std::pair("evidence.report_behind", o.report_behind), std::pair("evidence.all_hz", o.all_hz)}) {

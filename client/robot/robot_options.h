@@ -12,14 +12,15 @@ namespace enfilade::robot {
 
 // Which images and clouds are recorded.
 struct EvidenceOptions {
-  int images = 6;              // from each camera behind a door (num_last_imgs)
-  double max_age = 2.0;        // s: images and clouds farther from a moment than this do not show it
-  double spacing = 0.1;        // m driven between two images of a camera, or clouds, that are kept in memory
-  double turn = 10.0;          // deg turned between them, instead
-  int kept = 64;               // images of each camera, and clouds, in memory
-  double report_behind = 2.0;  // m behind the door at which a passage is reported
-  double report_after = 8.0;   // s after which it is reported in any case
-  double all_hz = 0.0;         // rate of images of each camera, and clouds, recorded everywhere; 0: near doors only
+  int images = 6;                // from each camera behind a door (num_last_imgs)
+  double max_age = 2.0;          // s: images and clouds farther from a moment than this do not show it
+  double spacing = 0.1;          // m driven between two images of a camera, or clouds, that are kept in memory
+  double turn = 10.0;            // deg turned between them, instead
+  int kept = 64;                 // images of each camera, and clouds, in memory
+  double report_behind = 2.0;    // m behind the door at which a passage is reported
+  double report_after = 8.0;     // s after which it is reported in any case
+  double report_standing = 2.0;  // s of standing behind the door after which it is reported
+  double all_hz = 0.0;           // rate of images of each camera, and clouds, recorded everywhere; 0: near doors only
 };
 
 // How indoors or outdoors is decided, which chooses the SLAM configuration of a new map.

@@ -26,6 +26,7 @@ StateMachineOptions MachineOptionsOf(const AgentSetup& setup) {
   options.start = setup.start;
   options.report_behind = setup.options.evidence.report_behind;
   options.report_after = setup.options.evidence.report_after;
+  options.report_standing = setup.options.evidence.report_standing;
   return options;
 }
 

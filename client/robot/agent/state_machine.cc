@@ -6,6 +6,9 @@
 namespace enfilade::robot {
 namespace {
 
+constexpr double kStill = 0.05;        // m: closer together, poses are of a robot that stands
+constexpr double kOutOfDoorway = 0.5;  // m
+
 // The detector numbers doors from 1.
 constexpr std::int64_t kByHand = 0;
 
@@ -97,19 +100,29 @@ void StateMachine::On(const DoorDetected& seen) {
 
 void StateMachine::OnPassage(const doors::DoorEvent& event) {
   passage_ = event;
-  passage_level_ = level_;
+  const bool before_ride = level_time_ && event.door_time <= *level_time_;
+  passage_level_ = before_ride ? level_before_ : level_;
   Emit(ShowMessage{fmt::format("passed a door of {:.2f} m: {}", event.width, event.reason)});
-  On(Moved{event.time, event.T_odom_robot});
+  if (before_ride) {
+    ReportPassage();
+  } else {
+    On(Moved{event.time, event.T_odom_robot});
+  }
 }
 
 void StateMachine::On(const Moved& moved) {
   now_ = moved.time;
   T_odom_robot_ = moved.T_odom_robot;
+  if (!has_pose_ || (stood_at_ - T_odom_robot_.translation()).norm() > kStill) {
+    stood_at_ = T_odom_robot_.translation();
+    stood_since_ = now_;
+  }
   has_pose_ = true;
   if (!passage_ || state_ != State::kMapping) return;
   const double behind = (passage_->T_odom_door.translation() - T_odom_robot_.translation()).norm();
   const double since = ToSeconds(now_ - passage_->time);
-  if (behind >= options_.report_behind || since >= options_.report_after) ReportPassage();
+  const bool waits = behind >= kOutOfDoorway && ToSeconds(now_ - stood_since_) >= options_.report_standing;
+  if (behind >= options_.report_behind || since >= options_.report_after || waits) ReportPassage();
 }
 
 // The door of a passage that is not reported yet may lie on either side of the break: the survey finds it.
@@ -206,7 +219,13 @@ void StateMachine::Do(const SetCandidate& command) {
   Emit(WriteReport{kByHand, std::move(report)});
 }
 
-void StateMachine::Do(const EnterLevel& command) { level_ = command.level; }
+// A cabin may be too short to come `report_behind` its door, and what is seen from now on is of another level.
+void StateMachine::Do(const EnterLevel& command) {
+  if (level_ == command.level) return;
+  if (passage_ && state_ == State::kMapping) ReportPassage();
+  level_before_ = std::exchange(level_, command.level);
+  if (has_pose_) level_time_ = now_;
+}
 
 void StateMachine::Do(const StopMapping&) {
   if (RequireState(State::kMapping, "stop")) Leave(State::kMainMenu);

@@ -84,7 +84,8 @@ struct SaveRearImage {};
 struct SetCandidate {
   graph::LinkPointKind place = graph::LinkPointKind::kDoor;
 };
-// The robot has come to another level, by what a lift or a barometer tells it. Later passages lead to this level.
+// The robot has come to another level, by what a lift or a barometer tells it. Later passages lead to this level. One
+// that is not reported yet, into the lift, is reported at once.
 struct EnterLevel {
   std::int32_t level = 0;
 };
@@ -141,9 +142,10 @@ struct StateMachineOptions {
   // What automatic mapping begins with.
   std::variant<RecordNewMap, MapOnExistingMap, LocateRobot> start;
   // A passage is reported at this distance behind the door, m, or after this time, s, so that its evidence shows the
-  // map entered.
+  // map entered. Or once the robot has stood behind the door for this time, s, as in the cabin of a lift.
   double report_behind = 2.0;
   double report_after = 8.0;
+  double report_standing = 2.0;
 };
 
 // The robot's states and the transitions between them. Pure: the same events give the same actions.
@@ -195,14 +197,18 @@ class StateMachine {
   std::vector<Action> actions_;                // in response to the current event
   std::optional<doors::DoorEvent> passage_;    // to be reported once the robot is farther behind the door
   std::optional<std::int32_t> level_;          // the robot's; unset: never told
-  std::optional<std::int32_t> passage_level_;  // level_ when the robot went through passage_
+  std::optional<std::int32_t> level_before_;   // that it came from,
+  std::optional<TimeNs> level_time_;           // and when
+  std::optional<std::int32_t> passage_level_;  // the robot's when it went through passage_
   std::vector<doors::DoorEvent> deferred_;     // detected behind that door: they belong to the next session
   std::optional<BeginSession> next_;           // after kStopMapping
   State left_for_ = State::kMainMenu;          // after kStopMapping without next_
   bool evidence_saved_ = false;                // by SaveRearImage
   TimeNs now_ = 0;
   Pose2 T_odom_robot_;
-  bool has_pose_ = false;  // a Moved was received
+  Eigen::Vector2d stood_at_ = Eigen::Vector2d::Zero();  // the robot has not moved from here
+  TimeNs stood_since_ = 0;                              // since then
+  bool has_pose_ = false;                               // a Moved was received
 };
 
 }  // namespace enfilade::robot
