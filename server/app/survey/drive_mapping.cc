@@ -17,14 +17,10 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kSurveyTimeout = std::chrono::seconds(60);
 constexpr int kPage = 500;
-constexpr std::int64_t kPortionBytes = 1 << 20;
 // How well the graph predicts where a drive starts in the map of the drives before it.
 constexpr double kStartSigma = 0.3;      // m
 constexpr double kStartYawSigma = 0.05;  // rad
-
-storage::CallContext SurveyContext() { return storage::CallContext::WithTimeout(kSurveyTimeout); }
 
 absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& stores, const SiteId& site) {
   std::map<MapId, storage::Map> maps;
@@ -66,10 +62,9 @@ class LevelMapper {
   LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
               const SiteId& site, const SurveyRun& run, bool continue_drives,
               const std::set<SessionId>& newest_of_robots)
-      : stores_(stores),
+      : reader_(stores, site, run.proceed),
         options_(options),
         graph_(graph),
-        site_(site),
         run_(run),
         continue_drives_(continue_drives),
         newest_of_robots_(newest_of_robots) {}
@@ -79,6 +74,7 @@ class LevelMapper {
     level_.survey.level = level;
     ids_before_ = fmt::format("level {}", level);
     std::vector<StoredDrive> left = DrivesOn(level, sessions, maps);
+    ENFILADE_RETURN_IF_ERROR(LeaveOutCabins(sessions, maps, left));
     for (bool grown = true; std::exchange(grown, false);) {
       std::vector<StoredDrive> without_place;
       for (StoredDrive& drive : left) {
@@ -96,21 +92,47 @@ class LevelMapper {
   struct DriveToMap {
     const StoredDrive& stored;
     Environment environment;
-    std::string records;    // KeyOf
-    bool by_scans = false;  // nothing but its scans may say where it is
+    std::string records;               // KeyOf
+    std::optional<TimeNs> until = {};  // what is later was recorded beyond a door to another level
+    bool by_scans = false;             // nothing but its scans may say where it is
     std::optional<slam::ExistingMapEntry> start = {};
   };
+
+  // The cabin of a lift is a map of one level. A robot that enters it from another one sees that level's rooms through
+  // its door, and no room of this level: such sessions stay in the cabin's map.
+  absl::Status LeaveOutCabins(const std::vector<storage::Session>& sessions, const std::map<MapId, storage::Map>& maps,
+                              std::vector<StoredDrive>& drives) const {
+    std::map<SessionId, const storage::Session*> by_id;
+    for (const storage::Session& session : sessions) by_id.emplace(session.id, &session);
+    for (StoredDrive& drive : drives) {
+      if (!drive.front()->entry.previous) continue;
+      const auto previous = by_id.find(*drive.front()->entry.previous);
+      if (previous == by_id.end() || !previous->second->map) continue;
+      const auto map = maps.find(*previous->second->map);
+      if (map == maps.end() || map->second.level == level_.survey.level) continue;
+      ENFILADE_ASSIGN_OR_RETURN(const std::optional<sensor::DoorReport> passage,
+                                reader_.FindPassage(previous->second->id));
+      if (!passage || passage->entered_level.value_or(map->second.level) == level_.survey.level) continue;
+      drive.erase(drive.begin());
+    }
+    std::erase_if(drives, [](const StoredDrive& drive) { return drive.empty(); });
+    return absl::OkStatus();
+  }
 
   // False: nothing says where the drive is.
   absl::StatusOr<bool> AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
     if (!IsDrivenByDoors(stored)) return true;
-    ENFILADE_ASSIGN_OR_RETURN(survey::Drive drive, ReadDrive(stored));
+    ENFILADE_ASSIGN_OR_RETURN(survey::Drive drive, reader_.Read(stored));
     const auto first = std::find_if(drive.begin(), drive.end(),
                                     [](const survey::SurveyedSession& session) { return !session.visits.empty(); });
     if (first == drive.end()) return true;
     const Environment environment = maps.at(first->map).environment;
     const bool begins_level = level_.survey.drives.empty();
+    ENFILADE_ASSIGN_OR_RETURN(const std::optional<closure::DoorVerdict> verdict,
+                              reader_.FindVerdict(stored.back()->id));
     DriveToMap to_map{.stored = stored, .environment = environment, .records = KeyOf(stored, environment)};
+    if (verdict && LeadsToAnotherLevel(*verdict, maps)) to_map.until = drive.back().left;
+    if (to_map.until) to_map.records += fmt::format(" until {}", *to_map.until);
     if (!begins_level) to_map.start = StartByGraph(*first);
     to_map.by_scans = !begins_level && !to_map.start;
     const std::string id = Sha256(ids_before_ + (to_map.by_scans ? "?" : "") + BeginningOf(stored, environment));
@@ -127,9 +149,17 @@ class LevelMapper {
     PlaceVisits(mapped.trajectory, drive);
     double& factor = level_.survey.variance_factor;
     factor = level_.survey.drives.empty() ? mapped.variance_factor : std::max(factor, mapped.variance_factor);
-    ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, maps, mapped.trajectory));
+    if (verdict) {
+      ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, *verdict, maps, mapped.trajectory));
+    }
     level_.survey.drives.push_back(std::move(drive));
     return true;
+  }
+
+  bool LeadsToAnotherLevel(const closure::DoorVerdict& verdict, const std::map<MapId, storage::Map>& maps) const {
+    if (!verdict.entered_map) return false;
+    const auto map = maps.find(*verdict.entered_map);
+    return map != maps.end() && map->second.level != level_.survey.level;
   }
 
   absl::Status BringUpToDate(DriveToMap& drive, CachedDrive& cached) const {
@@ -137,11 +167,13 @@ class LevelMapper {
     if (!may_continue || cached.records != drive.records) {
       std::size_t known = 0;
       if (may_continue && cached.growing) known = CountSessionsOf(cached.records, drive.stored, drive.environment);
+      // All of them: before it was known that the last one leads to another level.
+      if (known == drive.stored.size()) known = 0;
       if (known == 0) {
         ENFILADE_RETURN_IF_ERROR(Begin(drive, cached));
       }
       if (cached.growing) {
-        ENFILADE_RETURN_IF_ERROR(Extend(drive.stored, known, cached));
+        ENFILADE_RETURN_IF_ERROR(Extend(drive, known, cached));
       }
       cached.records = drive.records;
     }
@@ -152,7 +184,7 @@ class LevelMapper {
 
   absl::Status Begin(DriveToMap& drive, CachedDrive& cached) const {
     if (drive.by_scans) {
-      ENFILADE_ASSIGN_OR_RETURN(drive.start, StartByScans(drive.stored));
+      ENFILADE_ASSIGN_OR_RETURN(drive.start, StartByScans(drive));
     }
     cached = {};
     cached.before = mapped_before_;
@@ -174,12 +206,12 @@ class LevelMapper {
   }
 
   // Where a drive is that nothing joins to those before it: of a robot that was restarted elsewhere, for example.
-  absl::StatusOr<std::optional<slam::ExistingMapEntry>> StartByScans(const StoredDrive& stored) const {
+  absl::StatusOr<std::optional<slam::ExistingMapEntry>> StartByScans(const DriveToMap& drive) const {
     DriveLocation location(options_.pairing, level_.grid);
-    for (const storage::Session* session : stored) {
+    for (const storage::Session* session : drive.stored) {
       if (location.complete()) break;
-      ENFILADE_RETURN_IF_ERROR(
-          ReadRecords(*session, [&](sensor::Record record) { return location.Add(std::move(record)); }));
+      ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(
+          *session, drive.until, [&](sensor::Record record) { return location.Add(std::move(record)); }));
     }
     return location.Finish();
   }
@@ -191,10 +223,10 @@ class LevelMapper {
   }
 
   // The sessions from the `known`th on are new.
-  absl::Status Extend(const StoredDrive& stored, std::size_t known, CachedDrive& cached) const {
+  absl::Status Extend(const DriveToMap& drive, std::size_t known, CachedDrive& cached) const {
     const auto feed = [&](const std::function<void(sensor::Record)>& add) -> absl::Status {
-      for (std::size_t i = known; i < stored.size(); ++i) {
-        ENFILADE_RETURN_IF_ERROR(ReadRecords(*stored[i], [&](sensor::Record record) {
+      for (std::size_t i = known; i < drive.stored.size(); ++i) {
+        ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(*drive.stored[i], drive.until, [&](sensor::Record record) {
           add(std::move(record));
           return absl::OkStatus();
         }));
@@ -203,41 +235,6 @@ class LevelMapper {
     };
     ENFILADE_ASSIGN_OR_RETURN(MappedDrive mapped, cached.growing->Extend(feed));
     cached.mapped = PackedDrive(std::move(mapped));
-    return absl::OkStatus();
-  }
-
-  absl::StatusOr<survey::Drive> ReadDrive(const StoredDrive& stored) const {
-    survey::Drive drive;
-    for (const storage::Session* session : stored) {
-      survey::SurveyedSession one{.id = session->id, .map = *session->map};
-      if (session->entry.T_map_robot) one.T_map_entry = session->entry.T_map_robot->pose;
-      ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
-                                stores_.mappings.ListKeyframes(SurveyContext(), site_, session->id));
-      for (const slam::SlamNode& node : nodes) one.visits.push_back({node.sequence, node.time, node.T_map_node, {}});
-      ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(SurveyContext(), site_, session->id));
-      for (const storage::StoredDoorReport& report : reports) {
-        if (report.report.by_hand) return survey::Drive{};
-        if (report.report.kind == sensor::DoorReport::Kind::kPassage) {
-          one.left = report.report.door_time;
-          one.left_width = report.report.width;
-        }
-      }
-      drive.push_back(std::move(one));
-    }
-    return drive;
-  }
-
-  // In the order of the log. An error of `take` ends it.
-  absl::Status ReadRecords(const storage::Session& session,
-                           const std::function<absl::Status(sensor::Record)>& take) const {
-    for (std::int64_t next = 1; next <= session.acknowledged_sequence;) {
-      ENFILADE_RETURN_IF_ERROR(run_.proceed());
-      ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
-                                stores_.records.Read(SurveyContext(), site_, session.id, next, kPortionBytes));
-      if (records.empty()) break;
-      next = records.back().sequence + 1;
-      for (sensor::Record& record : records) ENFILADE_RETURN_IF_ERROR(take(std::move(record)));
-    }
     return absl::OkStatus();
   }
 
@@ -262,23 +259,18 @@ class LevelMapper {
   }
 
   // The map that the drive's last passage leads into, if it was begun for it. AddMaps drops it if a session is in it.
-  absl::Status AddAwaited(const SessionId& last, const std::map<MapId, storage::Map>& maps,
-                          const std::vector<slam::StampedPose>& trajectory) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::optional<closure::DoorVerdict> verdict,
-                              stores_.verdicts.FindPassage(SurveyContext(), site_, last));
-    if (!verdict || verdict->decision != closure::DoorDecision::kLinkPointMade || !verdict->entered_map ||
-        !verdict->T_map_robot || trajectory.empty()) {
+  absl::Status AddAwaited(const SessionId& last, const closure::DoorVerdict& verdict,
+                          const std::map<MapId, storage::Map>& maps, const std::vector<slam::StampedPose>& trajectory) {
+    if (verdict.decision != closure::DoorDecision::kLinkPointMade || !verdict.entered_map || !verdict.T_map_robot ||
+        trajectory.empty() || LeadsToAnotherLevel(verdict, maps)) {
       return absl::OkStatus();
     }
-    const auto map = maps.find(*verdict->entered_map);
-    if (map == maps.end() || map->second.level != level_.survey.level) return absl::OkStatus();
-    if (map->second.state != storage::MapState::kEmpty) return absl::OkStatus();
-    ENFILADE_ASSIGN_OR_RETURN(const auto reports, stores_.verdicts.ReadReports(SurveyContext(), site_, last));
-    for (const storage::StoredDoorReport& report : reports) {
-      if (report.sequence != verdict->sequence) continue;
-      const Pose2 T_level_robot = PoseAt(trajectory, report.report.time);
-      level_.survey.awaited.push_back({map->first, T_level_robot * Inverse(verdict->T_map_robot->pose), T_level_robot});
-    }
+    const auto map = maps.find(*verdict.entered_map);
+    if (map == maps.end() || map->second.state != storage::MapState::kEmpty) return absl::OkStatus();
+    ENFILADE_ASSIGN_OR_RETURN(const std::optional<sensor::DoorReport> passage, reader_.FindPassage(last));
+    if (!passage) return absl::OkStatus();
+    const Pose2 T_level_robot = PoseAt(trajectory, passage->time);
+    level_.survey.awaited.push_back({map->first, T_level_robot * Inverse(verdict.T_map_robot->pose), T_level_robot});
     return absl::OkStatus();
   }
 
@@ -335,10 +327,9 @@ class LevelMapper {
     }
   }
 
-  const SurveyStores& stores_;
+  const DriveReader reader_;
   const SurveyMappingOptions& options_;
   const SiteGraph& graph_;
-  const SiteId& site_;
   const SurveyRun& run_;
   const bool continue_drives_;
   const std::set<SessionId>& newest_of_robots_;  // the last mapped session of each robot

@@ -15,21 +15,11 @@
 #include "core/survey/level_survey.h"
 #include "server/app/graph/site_graph.h"
 #include "server/app/survey/drive_cache.h"
-#include "storage/graph/door_verdict_store.h"
+#include "server/app/survey/drive_reader.h"
 #include "storage/maps/map_store.h"
-#include "storage/sessions/mapping_store.h"
-#include "storage/sessions/record_store.h"
 #include "storage/sessions/session_store.h"
 
 namespace enfilade::server {
-
-struct SurveyStores {
-  const storage::SessionStore& sessions;
-  const storage::RecordStore& records;
-  const storage::MappingStore& mappings;
-  const storage::MapReader& maps;
-  const storage::DoorVerdictStore& verdicts;
-};
 
 struct SurveyMappingOptions {
   sensor::ScanPairingOptions pairing;

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/survey/drive_reader.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <utility>
+
+#include "core/base/status_macros.h"
+
+namespace enfilade::server {
+namespace {
+
+constexpr auto kSurveyTimeout = std::chrono::seconds(60);
+constexpr std::int64_t kPortionBytes = 1 << 20;
+
+const sensor::DoorReport* LastPassage(const std::vector<sensor::DoorReport>& reports) {
+  const auto last = std::find_if(reports.rbegin(), reports.rend(), [](const sensor::DoorReport& report) {
+    return report.kind == sensor::DoorReport::Kind::kPassage;
+  });
+  return last == reports.rend() ? nullptr : &*last;
+}
+
+}  // namespace
+
+storage::CallContext SurveyContext() { return storage::CallContext::WithTimeout(kSurveyTimeout); }
+
+absl::StatusOr<survey::Drive> DriveReader::Read(const StoredDrive& stored) const {
+  survey::Drive drive;
+  for (const storage::Session* session : stored) {
+    survey::SurveyedSession one{.id = session->id, .map = *session->map};
+    if (session->entry.T_map_robot) one.T_map_entry = session->entry.T_map_robot->pose;
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
+                              stores_.mappings.ListKeyframes(SurveyContext(), site_, session->id));
+    for (const slam::SlamNode& node : nodes) one.visits.push_back({node.sequence, node.time, node.T_map_node, {}});
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::DoorReport> reports, ReadReports(session->id));
+    if (std::any_of(reports.begin(), reports.end(), [](const sensor::DoorReport& report) { return report.by_hand; })) {
+      return survey::Drive{};
+    }
+    if (const sensor::DoorReport* passage = LastPassage(reports)) {
+      one.left = passage->door_time;
+      one.left_width = passage->width;
+    }
+    drive.push_back(std::move(one));
+  }
+  return drive;
+}
+
+absl::StatusOr<std::optional<sensor::DoorReport>> DriveReader::FindPassage(const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::DoorReport> reports, ReadReports(session));
+  const sensor::DoorReport* passage = LastPassage(reports);
+  return passage == nullptr ? std::nullopt : std::optional(*passage);
+}
+
+absl::StatusOr<std::optional<closure::DoorVerdict>> DriveReader::FindVerdict(const SessionId& session) const {
+  return stores_.verdicts.FindPassage(SurveyContext(), site_, session);
+}
+
+absl::Status DriveReader::ReadRecords(const storage::Session& session, std::optional<TimeNs> until,
+                                      const std::function<absl::Status(sensor::Record)>& take) const {
+  for (std::int64_t next = 1; next <= session.acknowledged_sequence;) {
+    ENFILADE_RETURN_IF_ERROR(proceed_());
+    ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
+                              stores_.records.Read(SurveyContext(), site_, session.id, next, kPortionBytes));
+    if (records.empty()) break;
+    next = records.back().sequence + 1;
+    for (sensor::Record& record : records) {
+      if (until && sensor::TimeOf(record) > *until) continue;
+      ENFILADE_RETURN_IF_ERROR(take(std::move(record)));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<sensor::DoorReport>> DriveReader::ReadReports(const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::StoredDoorReport> stored,
+                            stores_.verdicts.ReadReports(SurveyContext(), site_, session));
+  std::vector<sensor::DoorReport> reports;
+  reports.reserve(stored.size());
+  for (const storage::StoredDoorReport& report : stored) reports.push_back(report.report);
+  return reports;
+}
+
+}  // namespace enfilade::server
