@@ -59,10 +59,10 @@ absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& op
   }
   ENFILADE_ASSIGN_OR_RETURN(const double metres_per_unit, prior::NominalScale(plan, pairs));
   const prior::PlanField field(plan, metres_per_unit);
-  ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped, MapDrive(globals, options.log, options.reading));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::MappedDrive mapped, MapDrive(globals, options.log, options.reading));
   const Clock::time_point begin = Clock::now();
-  const prior::PlanDrive drive =
-      prior::LocateDrive(field, pairs, mapped.looks, mapped.submaps, ToLocalizerOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanDrive drive,
+                            prior::LocateDrive(field, pairs, mapped, ToLocalizerOptions(options)));
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 
   const nlohmann::json report = LocatedReport(field, drive, seconds);
