@@ -56,6 +56,7 @@ absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& op
   if (!options.pairs.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(pairs, ReadPairs(options.pairs));
     if (pairs.empty()) return InvalidArgument("{}: no pairs in it", options.pairs);
+    for (prior::ControlPair& pair : pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   }
   ENFILADE_ASSIGN_OR_RETURN(const double metres_per_unit, prior::NominalScale(plan, pairs));
   const prior::PlanField field(plan, metres_per_unit);
