@@ -140,6 +140,7 @@ class Server::Impl {
                                                    draft_presences,
                                                    raster_pyramids,
                                                    prior_alignment,
+                                                   plan_localization,
                                                    graphs,
                                                    graph_waits,
                                                    pose_looks,
@@ -303,6 +304,8 @@ class Server::Impl {
   DraftPresences draft_presences;
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
   const PriorAlignment prior_alignment{prior_maps, maps, revisions, blobs, graphs};
+  const PlanLocalization plan_localization{{prior_maps, blobs, sessions, mappings, records},
+                                           *slam_profiles.Find(slam::SlamProfiles::kIndoor)};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
   GraphEditor graph_editor{{maps, link_points, graph_store}, graphs};
   GraphOptimizer graph_optimizer{graph_store, {solver_leases, site_leases}, graphs, changed_sites};

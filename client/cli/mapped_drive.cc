@@ -12,24 +12,13 @@
 #include "core/base/status_macros.h"
 #include "core/sensor/laser_scan.h"
 #include "core/slam/mapper/log_mapper.h"
-#include "core/slam/submaps/submap.h"
 
 namespace enfilade::cli {
 namespace {
 
-absl::Status AddSubmaps(const slam::SlamMap& map, const slam::SlamOptions& options, MappedDrive& drive) {
-  for (const auto& [id, row] : map.submaps) {
-    if (row.content.empty()) continue;
-    ENFILADE_ASSIGN_OR_RETURN(const slam::SubmapContent content,
-                              slam::DecodeSubmapContent(row.content, options.occupancy));
-    drive.submaps.push_back({id, row.T_map_submap, content.grid.OccupiedPoints()});
-  }
-  return absl::OkStatus();
-}
-
 // The scans are read once more: the map has them no longer.
 absl::Status AddLooks(const slam::SlamMap& map, const slam::SlamOptions& options, sources::LogReader reader,
-                      MappedDrive& drive) {
+                      prior::MappedDrive& drive) {
   std::map<std::int64_t, const slam::SlamNode*> by_sequence;
   for (const auto& [id, node] : map.nodes) by_sequence[node.sequence] = &node;
   for (std::int64_t sequence = 1;; ++sequence) {
@@ -38,16 +27,14 @@ absl::Status AddLooks(const slam::SlamMap& map, const slam::SlamOptions& options
     const auto found = by_sequence.find(sequence);
     const auto* scan = std::get_if<sensor::LaserScan>(&entry->payload);
     if (found == by_sequence.end() || scan == nullptr) continue;
-    const slam::SlamNode& node = *found->second;
-    drive.times.push_back(node.time);
-    drive.looks.push_back({{node.T_map_node, sensor::HitPoints(*scan, options.max_range)}, node.submap});
+    prior::AddLook(*found->second, *scan, options, drive);
   }
 }
 
 }  // namespace
 
-absl::StatusOr<MappedDrive> MapDrive(const Globals& globals, const std::string& log,
-                                     const sources::LogOptions& reading) {
+absl::StatusOr<prior::MappedDrive> MapDrive(const Globals& globals, const std::string& log,
+                                            const sources::LogOptions& reading) {
   const slam::SlamOptions options;
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader reader, sources::LogReader::Open(log, reading));
   slam::LogMapper mapper(sensor::ScanPairingOptions{}, options);
@@ -55,8 +42,8 @@ absl::StatusOr<MappedDrive> MapDrive(const Globals& globals, const std::string& 
   slam::SlamMap map;
   map.Apply(mapper.TakeDelta());
   if (map.nodes.empty()) return InvalidArgument("{}: no scan of it could be mapped", log);
-  MappedDrive drive;
-  ENFILADE_RETURN_IF_ERROR(AddSubmaps(map, options, drive));
+  prior::MappedDrive drive;
+  ENFILADE_ASSIGN_OR_RETURN(drive.submaps, prior::SubmapsOf(map, options));
   ENFILADE_ASSIGN_OR_RETURN(sources::LogReader again, sources::LogReader::Open(log, reading));
   ENFILADE_RETURN_IF_ERROR(AddLooks(map, options, std::move(again), drive));
   return drive;

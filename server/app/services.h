@@ -16,6 +16,7 @@
 #include "server/app/ingest/pose_reports.h"
 #include "server/app/localization/robot_localization.h"
 #include "server/app/mapping/mapping.h"
+#include "server/app/priors/plan_localization.h"
 #include "server/app/priors/prior_alignment.h"
 #include "server/app/rasters/raster_pyramids.h"
 #include "server/app/rearrange/map_rearrangements.h"
@@ -93,6 +94,7 @@ struct Services {
   DraftPresences& draft_presences;
   RasterPyramids& raster_pyramids;
   const PriorAlignment& prior_alignment;
+  const PlanLocalization& plan_localization;
   SiteGraphs& graphs;
   GraphVersionWaits& graph_waits;
   PoseLooks& pose_looks;

@@ -218,6 +218,7 @@ class PriorMapApi final : public ApiOf<v1::PriorMapService::CallbackService> {
   ENFILADE_UNARY_CHANGES_GRAPH(DeletePriorMap)
   ENFILADE_UNARY_CHANGES_READ_GRAPH(AlignPriorMap, CallLane::kSlow)
   ENFILADE_UNARY_CHANGES_GRAPH(EditPriorMap, CallLane::kSlow)
+  ENFILADE_SLOW_UNARY(LocateInPriorMap)
   ENFILADE_UNARY_CHANGES_GRAPH(ActivatePriorMap)
   ENFILADE_UNARY_CHANGES_GRAPH(SuspendPriorMap)
   ENFILADE_UNARY_ON_GRAPH(ListPriorAssociations, CallLane::kSlow)

@@ -83,7 +83,7 @@ class PlanTruth {
 
 struct Drive {
   prior::PlanGraph plan;
-  cli::MappedDrive mapped;
+  prior::MappedDrive mapped;
   std::vector<Pose2> truth;  // of each look, in the campus
   std::vector<prior::ControlPair> clicks;
 };
@@ -277,7 +277,7 @@ absl::StatusOr<json> RunFolder(const std::string& folder, const BenchOptions& be
       if (variant == "nav2") options = prior::WithNav2Measurement(options);
       if (bench.list) std::cerr << folder << " " << start << " " << variant << "\n";
       const std::clock_t begin = std::clock();
-      const prior::PlanDrive located = LocateDrive(field, pairs, drive.mapped.looks, drive.mapped.submaps, options);
+      ENFILADE_ASSIGN_OR_RETURN(const prior::PlanDrive located, LocateDrive(field, pairs, drive.mapped, options));
       const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
       json& judged = result[start][variant] = Judge(field, located, truth, drive.truth, bench.list);
       judged["seconds"] = seconds;

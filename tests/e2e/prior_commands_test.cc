@@ -7,6 +7,7 @@
 #include "core/grid/files/map_files.h"
 #include "core/prior/formats/building_plan.h"
 #include "core/prior/formats/geojson_plan.h"
+#include "fmt/format.h"
 #include "nlohmann/json.hpp"
 #include "tests/e2e/whole_system.h"
 #include "tests/support/command.h"
@@ -93,6 +94,40 @@ TEST_F(PriorCommands, APlanningMapIsPublishedAsARevision) {
             300'000)
       << "44 m x 24 m, less a corner, seen or not";
   EXPECT_EQ(Run({"map", "list"}).size(), 1u) << "nothing was added to the plan's own site";
+}
+
+// The plan is drawn as people draw it, at another scale and with bent walls.
+TEST_F(PriorCommands, ARobotIsLocatedInAPlanOfTheSiteAsInItsFile) {
+  Run({"simulate", "random:402", "-o", File("campus"), "--plan-out", File("plan"), "--plan-deform", "402"});
+  const std::string plan = File("plan/plan.geojson");
+  const std::string log = File("campus/robot/log.jsonl");
+  std::ifstream truth_file(File("campus/robot/truth.txt"));
+  double time = 0;
+  Pose2 start;
+  truth_file >> time >> start.x >> start.y >> start.yaw;
+  std::ifstream corners_file(File("plan/plan-truth.json"));
+  const json corners = json::parse(corners_file)["corners"];
+  std::string pairs;
+  for (const json& corner : {corners.front(), corners.back()}) {
+    const Eigen::Vector2d point = Inverse(start) * Eigen::Vector2d(corner["campus_m"][0], corner["campus_m"][1]);
+    pairs += fmt::format("{},{},{},{}\n", corner["sheet_px"][0].get<double>(), corner["sheet_px"][1].get<double>(),
+                         point.x(), point.y());
+  }
+  File("pairs.csv", pairs);
+  Run({"prior", "add", plan, "--name", "Ground floor"});
+  const json in_file = Run({"prior", "locate", plan, log, "--pairs", File("pairs.csv")});
+  const json stored = Run({"prior", "locate", "Ground floor", log, "--pairs", File("pairs.csv")});
+  EXPECT_EQ(in_file["confident"], true);
+  EXPECT_EQ(stored["confident"], true) << stored["reason"];
+  const auto place = [](const json& located) {
+    const json& mode = located["modes"][0];
+    return mode["metres_per_px"].get<double>() *
+           Eigen::Vector2d(mode["plan_px"][0].get<double>(), mode["plan_px"][1].get<double>());
+  };
+  EXPECT_LT((place(in_file) - place(stored)).norm(), 0.5) << in_file["modes"] << stored["modes"];
+  EXPECT_LT(std::abs(WrapAngle(in_file["modes"][0]["yaw"].get<double>() - stored["modes"][0]["yaw"].get<double>())),
+            0.1);
+  EXPECT_THAT(Try({"prior", "locate", "Cellar", log}).output, HasSubstr("is no file; as a plan of sites/s"));
 }
 
 TEST_F(PriorCommands, AnImportedBuildingIsDrawn) {

@@ -101,6 +101,7 @@ TEST_F(CallConventionsTest, AnEmptyMessageIsRefusedByEveryCallAndEndsNothing) {
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::EditPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ActivatePriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::SuspendPriorMap);
+  ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::LocateInPriorMap);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPriorAssociations);
   ExpectRefusesEmpty(*connection_, &v1::PriorMapService::Stub::ListPredictedLinkPoints);
   ExpectRefusesEmpty(*connection_, &v1::RasterService::Stub::GetRasterManifest);

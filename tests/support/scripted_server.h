@@ -172,6 +172,7 @@ class ScriptedServer {
     ENFILADE_SCRIPTED(Unary, DeletePriorMap, remove)
     ENFILADE_SCRIPTED(Unary, AlignPriorMap, align)
     ENFILADE_SCRIPTED(Unary, EditPriorMap, edit)
+    ENFILADE_SCRIPTED(Unary, LocateInPriorMap, locate)
     ENFILADE_SCRIPTED(Unary, ActivatePriorMap, activate)
     ENFILADE_SCRIPTED(Unary, SuspendPriorMap, suspend)
     ENFILADE_SCRIPTED(Download, ExportPriorMap, export_files)

@@ -15,9 +15,9 @@ namespace {
 constexpr double kSpacing = 0.25;  // m, rad
 
 // The last scan, and earlier ones with odometry far enough from the one after them.
-std::vector<const sensor::PairedScan*> Apart(const std::vector<sensor::PairedScan>& scans) {
+std::vector<const sensor::PairedScan*> Apart(const std::vector<sensor::PairedScan>& scans, std::size_t most) {
   std::vector<const sensor::PairedScan*> apart;
-  for (auto it = scans.rbegin(); it != scans.rend() && apart.size() < kMaxLocalizationScans; ++it) {
+  for (auto it = scans.rbegin(); it != scans.rend() && apart.size() < most; ++it) {
     if (!apart.empty()) {
       if (!it->T_odom_robot || !apart.back()->T_odom_robot) break;
       const Pose2 motion = Between(*apart.back()->T_odom_robot, *it->T_odom_robot);
@@ -29,16 +29,25 @@ std::vector<const sensor::PairedScan*> Apart(const std::vector<sensor::PairedSca
   return apart;
 }
 
+void SetScan(const sensor::PairedScan& scan, v1::LocalizationScan& sent) {
+  convert::ToProto(scan.scan, *sent.mutable_scan());
+  if (scan.T_odom_robot) *sent.mutable_pose_odom_robot() = convert::ToProto(*scan.T_odom_robot);
+}
+
 }  // namespace
 
 v1::LocalizeRobotRequest MakeLocalizeRequest(const SiteId& site, const std::vector<sensor::PairedScan>& scans) {
   v1::LocalizeRobotRequest request;
   request.set_site("sites/" + site.value());
-  for (const sensor::PairedScan* scan : Apart(scans)) {
-    v1::LocalizationScan& sent = *request.add_scans();
-    convert::ToProto(scan->scan, *sent.mutable_scan());
-    if (scan->T_odom_robot) *sent.mutable_pose_odom_robot() = convert::ToProto(*scan->T_odom_robot);
-  }
+  for (const sensor::PairedScan* scan : Apart(scans, kMaxLocalizationScans)) SetScan(*scan, *request.add_scans());
+  return request;
+}
+
+v1::LocateInPriorMapRequest MakeLocateInPriorMapRequest(const std::string& name,
+                                                        const std::vector<sensor::PairedScan>& scans) {
+  v1::LocateInPriorMapRequest request;
+  request.set_name(name);
+  for (const sensor::PairedScan* scan : Apart(scans, kMaxPlanScans)) SetScan(*scan, *request.add_scans());
   return request;
 }
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string_view>
+
+#include "absl/status/status.h"
 
 namespace enfilade::prior {
 
@@ -20,6 +23,9 @@ enum class BeamSum : std::uint8_t {
   kTempered,  // their geometric mean, to the power of the effective beams
   kCubes,     // 1 + the sum of their cubes, as in AMCL
 };
+
+// Asked now and then during a search. An error ends the search and becomes its result: CANCELLED, DEADLINE_EXCEEDED.
+using KeepGoing = std::function<absl::Status()>;
 
 // How a robot is located in a plan that is not corrected. Standard deviations unless said otherwise.
 struct PlanLocalizerOptions {

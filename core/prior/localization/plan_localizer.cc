@@ -50,8 +50,8 @@ bool IsNarrow(const PlanMode& mode, const PlanLocalizerOptions& options) {
 }  // namespace
 
 PlanLocalizer::PlanLocalizer(const PlanField& field, const std::vector<ControlPair>& pairs,
-                             const PlanLocalizerOptions& options)
-    : field_(field), pairs_(pairs), options_(options) {}
+                             const PlanLocalizerOptions& options, KeepGoing keep_going)
+    : field_(field), pairs_(pairs), options_(options), keep_going_(std::move(keep_going)) {}
 
 PlanPosterior PlanLocalizer::Add(const PlanLook& look) {
   ++step_;
@@ -82,7 +82,8 @@ void PlanLocalizer::Start(const Pose2& T_map_robot) {
     particles_ = StartAtPairs(field_, pairs_, T_map_robot, most, options_);
     last_sure_ = travelled_;  // people are
   } else if (travelled_ >= options_.global_distance) {
-    particles_ = StartAnywhere(field_, RecentPoints(T_map_robot), most, 0, options_.global_density, options_);
+    particles_ =
+        StartAnywhere(field_, RecentPoints(T_map_robot), {most, 0, options_.global_density}, options_, keep_going_);
   }
   surveyed_ = travelled_;
   since_update_ = 0;
@@ -144,8 +145,8 @@ void PlanLocalizer::Survey() {
   ++surveys_;
   const auto count = static_cast<std::size_t>(options_.survey_share * static_cast<double>(particles_.size()));
   if (count == 0 || !T_map_last_) return;
-  std::vector<PlanParticle> found =
-      StartAnywhere(field_, RecentPoints(*T_map_last_), count, Mix(step_, kSurveyRound), kSurveyDensity, options_);
+  std::vector<PlanParticle> found = StartAnywhere(
+      field_, RecentPoints(*T_map_last_), {count, Mix(step_, kSurveyRound), kSurveyDensity}, options_, keep_going_);
   for (PlanParticle& particle : particles_) particle.weight *= 1 - options_.survey_share;
   for (PlanParticle& particle : found) {
     particle.weight *= options_.survey_share;
@@ -164,7 +165,7 @@ void PlanLocalizer::Resample() {
   const auto count = static_cast<std::size_t>(share * static_cast<double>(particles_.size()));
   if (options_.alpha_slow <= 0 || count == 0 || !T_map_last_) return;
   const std::vector<PlanParticle> found =
-      StartAnywhere(field_, RecentPoints(*T_map_last_), count, step_, kRecoveryDensity, options_);
+      StartAnywhere(field_, RecentPoints(*T_map_last_), {count, step_, kRecoveryDensity}, options_, keep_going_);
   // They take the places of particles spread evenly over all.
   for (std::size_t i = 0; i < found.size(); ++i) {
     particles_[i * particles_.size() / found.size()].state = found[i].state;

@@ -40,8 +40,9 @@ struct PlanPosterior {
 class PlanLocalizer {
  public:
   // `pairs`: where the robot's own map lies in the plan, as people have shown (StartAtPairs); empty: anywhere. `field`
-  // outlives it.
-  PlanLocalizer(const PlanField& field, const std::vector<ControlPair>& pairs, const PlanLocalizerOptions& options);
+  // outlives it. `keep_going`: for searches of the whole plan; once it has failed, what Add gives means nothing.
+  PlanLocalizer(const PlanField& field, const std::vector<ControlPair>& pairs, const PlanLocalizerOptions& options,
+                KeepGoing keep_going = {});
 
   // In order of time.
   PlanPosterior Add(const PlanLook& look);
@@ -69,6 +70,7 @@ class PlanLocalizer {
   const PlanField& field_;
   std::vector<ControlPair> pairs_;
   PlanLocalizerOptions options_;
+  KeepGoing keep_going_;
   std::vector<PlanParticle> particles_;
   std::deque<Seen> seen_;
   std::optional<Pose2> T_map_last_;  // at the last look

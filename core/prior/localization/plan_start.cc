@@ -190,8 +190,9 @@ std::vector<double> WeightsOf(const std::vector<float>& logs) {
 }  // namespace
 
 std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vector<Eigen::Vector2d>& seen,
-                                        std::size_t count, std::uint64_t round, double density,
-                                        const PlanLocalizerOptions& options) {
+                                        const WideSearch& search, const PlanLocalizerOptions& options,
+                                        const KeepGoing& keep_going) {
+  constexpr std::size_t kTriedAtOnce = 20'000;  // places, between two questions
   PlanLocalizerOptions wide = options;
   wide.sum = BeamSum::kTempered;
   wide.z_rand = 1 - wide.z_hit;
@@ -204,25 +205,29 @@ std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vecto
   const PlanLikelihood narrowly = PlanLikelihood::OfHits(seen, narrow);
 
   const Eigen::Vector2d size = field.max() - field.min();
-  const auto tried = static_cast<std::size_t>(
-      std::clamp(density * size.x() * size.y(), static_cast<double>(count), static_cast<double>(options.most_global)));
+  const auto tried =
+      static_cast<std::size_t>(std::clamp(search.density * size.x() * size.y(), static_cast<double>(search.count),
+                                          static_cast<double>(options.most_global)));
   const std::optional<double> direction = DirectionOf(seen, options);
   const auto place = [&](std::size_t i) {
-    return AnyPlace(field, direction, NoiseOf(options, Draw::kPlaces, Mix(round, i)), options);
+    return AnyPlace(field, direction, NoiseOf(options, Draw::kPlaces, Mix(search.round, i)), options);
   };
   std::vector<float> logs(tried);
-  for (std::size_t i = 0; i < tried; ++i) logs[i] = static_cast<float>(widely.LogAt(field, place(i)));
-  Noise random = NoiseOf(options, Draw::kKept, round);
-  const std::size_t kept = std::min(tried, 4 * count);
+  for (std::size_t i = 0; i < tried; ++i) {
+    if (i % kTriedAtOnce == 0 && keep_going && !keep_going().ok()) return {};
+    logs[i] = static_cast<float>(widely.LogAt(field, place(i)));
+  }
+  Noise random = NoiseOf(options, Draw::kKept, search.round);
+  const std::size_t kept = std::min(tried, 4 * search.count);
   std::vector<PlanState> states;
   for (const std::size_t i : LowVarianceSample(WeightsOf(logs), kept, random.Uniform())) {
-    states.push_back(Spread(place(i), NoiseOf(options, Draw::kSpread, Mix(round, states.size())), options));
+    states.push_back(Spread(place(i), NoiseOf(options, Draw::kSpread, Mix(search.round, states.size())), options));
   }
   logs.clear();
   for (const PlanState& state : states) logs.push_back(static_cast<float>(narrowly.LogAt(field, state)));
   std::vector<PlanParticle> particles;
-  for (const std::size_t i : LowVarianceSample(WeightsOf(logs), count, random.Uniform())) {
-    particles.push_back({states[i], 1.0 / static_cast<double>(count)});
+  for (const std::size_t i : LowVarianceSample(WeightsOf(logs), search.count, random.Uniform())) {
+    particles.push_back({states[i], 1.0 / static_cast<double>(search.count)});
   }
   return particles;
 }

@@ -32,11 +32,18 @@ std::vector<PlanParticle> StartAtPairs(const PlanField& field, const std::vector
                                        const Pose2& T_map_robot, std::size_t count,
                                        const PlanLocalizerOptions& options);
 
-// At most `count` places anywhere in the plan, drawn by how likely they are: tried at options.global_density with wide
-// walls, then the best with narrower ones (an annealed particle filter: J. Deutscher, A. Blake, I. Reid, "Articulated
-// body motion capture by annealed particle filtering", 2000). `round` numbers the calls: each draws otherwise.
+// One search of a whole plan.
+struct WideSearch {
+  std::size_t count = 0;    // places that are found, at most
+  std::uint64_t round = 0;  // numbers the searches: each draws otherwise
+  double density = 0;       // places that are tried per square metre
+};
+
+// Places anywhere in the plan, drawn by how likely they are: tried with wide walls, then the best with narrower ones
+// (an annealed particle filter: J. Deutscher, A. Blake, I. Reid, "Articulated body motion capture by annealed particle
+// filtering", 2000). None if `keep_going` ends the search.
 std::vector<PlanParticle> StartAnywhere(const PlanField& field, const std::vector<Eigen::Vector2d>& seen,
-                                        std::size_t count, std::uint64_t round, double density,
-                                        const PlanLocalizerOptions& options);
+                                        const WideSearch& search, const PlanLocalizerOptions& options,
+                                        const KeepGoing& keep_going = {});
 
 }  // namespace enfilade::prior

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "core/slam/matching/likelihood_field.h"
 #include "core/slam/matching/scan_matcher.h"
 
@@ -62,14 +63,17 @@ TrackedSubmap TrackSubmap(const PlanField& field, const std::vector<Eigen::Vecto
   return tracked;
 }
 
-PlanDrive LocateDrive(const PlanField& field, const std::vector<ControlPair>& pairs,
-                      const std::vector<DriveLook>& looks, const std::vector<DriveSubmap>& submaps,
-                      const PlanLocalizerOptions& options) {
+absl::StatusOr<PlanDrive> LocateDrive(const PlanField& field, const std::vector<ControlPair>& pairs,
+                                      const MappedDrive& mapped, const PlanLocalizerOptions& options,
+                                      const KeepGoing& keep_going) {
+  const std::vector<DriveLook>& looks = mapped.looks;
+  const std::vector<DriveSubmap>& submaps = mapped.submaps;
   PlanDrive drive;
-  PlanLocalizer localizer(field, pairs, options);
+  PlanLocalizer localizer(field, pairs, options, keep_going);
   for (std::size_t i = 0; i < looks.size(); ++i) {
     const Pose2& T_map_robot = looks[i].look.T_map_robot;
     drive.steps.push_back(localizer.Add(looks[i].look));
+    if (keep_going) ENFILADE_RETURN_IF_ERROR(keep_going());
     const bool finished = i + 1 == looks.size() || looks[i + 1].submap != looks[i].submap;
     if (!finished || !drive.steps.back().confident) continue;
     const auto submap =

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "absl/status/statusor.h"
+#include "core/base/time.h"
 #include "core/geometry/pose2.h"
 #include "core/prior/localization/plan_field.h"
 #include "core/prior/localization/plan_localizer.h"
@@ -27,7 +29,6 @@ struct TrackedSubmap {
 TrackedSubmap TrackSubmap(const PlanField& field, const std::vector<Eigen::Vector2d>& points, const PlanState& guess,
                           const PlanLocalizerOptions& options);
 
-// A drive as SLAM has mapped it.
 struct DriveSubmap {
   std::int64_t id = 0;
   Pose2 T_map_submap;
@@ -37,6 +38,12 @@ struct DriveLook {
   PlanLook look;
   std::int64_t submap = 0;  // that the robot was in
 };
+// A drive as SLAM has mapped it.
+struct MappedDrive {
+  std::vector<TimeNs> times;         // of each look
+  std::vector<DriveLook> looks;      // the keyframes with their scans, in order of time
+  std::vector<DriveSubmap> submaps;  // by id
+};
 
 struct PlanDrive {
   std::vector<PlanPosterior> steps;  // of each look
@@ -45,9 +52,9 @@ struct PlanDrive {
 };
 
 // Follows a drive through a plan. Whenever a submap is finished and one mode is confident, the submap is moved onto the
-// plan's walls, and where it lies bounds where the robot may be (PlanLocalizer::Gate). `submaps`: sorted by id.
-PlanDrive LocateDrive(const PlanField& field, const std::vector<ControlPair>& pairs,
-                      const std::vector<DriveLook>& looks, const std::vector<DriveSubmap>& submaps,
-                      const PlanLocalizerOptions& options);
+// plan's walls, and where it lies bounds where the robot may be (PlanLocalizer::Gate). Errors: keep_going's.
+absl::StatusOr<PlanDrive> LocateDrive(const PlanField& field, const std::vector<ControlPair>& pairs,
+                                      const MappedDrive& mapped, const PlanLocalizerOptions& options,
+                                      const KeepGoing& keep_going = {});
 
 }  // namespace enfilade::prior

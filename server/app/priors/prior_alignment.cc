@@ -14,12 +14,12 @@
 #include "core/graph/plans/plan_ties.h"
 #include "core/prior/fit/fit_plan.h"
 #include "core/prior/fit/join_maps.h"
-#include "core/prior/formats/geojson_plan.h"
 #include "core/prior/products/products.h"
 #include "core/prior/ties/find_ties.h"
 #include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
 #include "server/app/priors/plans_beside.h"
+#include "server/app/priors/stored_plan.h"
 
 namespace enfilade::server {
 namespace {
@@ -172,15 +172,6 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
   return level;
 }
 
-absl::StatusOr<std::string> PriorAlignment::ReadPlan(const storage::CallContext& context,
-                                                     const storage::PriorMap& prior_map) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto files, prior_maps_.ListFiles(context, prior_map.site, prior_map.id));
-  for (const storage::PriorMapFile& file : files) {
-    if (file.product == storage::PriorMapProduct::kPlan) return blobs_.Get(context, prior_map.site, file.sha256);
-  }
-  return NotFound("{} does not exist", NameOf(prior_map.site, prior_map.id));
-}
-
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext& context,
                                                       const storage::PriorMap& prior_map,
                                                       const std::vector<storage::PriorMapPair>& pairs, bool from_last,
@@ -220,8 +211,7 @@ prior::PlanTransform PriorAlignment::PlaceNow(const storage::PriorMap& prior_map
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& context,
                                                     const storage::PriorMap& prior_map, const Level& level,
                                                     const Placement& placement) const {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string text, ReadPlan(context, prior_map));
-  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, prior::ReadGeoJsonPlan(text));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, ReadStoredPlan(context, prior_maps_, blobs_, prior_map));
   prior::FitOptions options = placement.options;
   for (prior::ControlPair& pair : options.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));

@@ -56,7 +56,6 @@ class PriorAlignment {
 
   absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
   absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::Map& map) const;
-  absl::StatusOr<std::string> ReadPlan(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
 
   const storage::PriorMapStore& prior_maps_;
   const storage::MapReader& maps_;

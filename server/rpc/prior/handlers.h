@@ -27,6 +27,8 @@ absl::StatusOr<v1::ActivatePriorMapResponse> ActivatePriorMap(const Services& se
                                                               const v1::ActivatePriorMapRequest& request);
 absl::StatusOr<v1::SuspendPriorMapResponse> SuspendPriorMap(const Services& services, const Call& call,
                                                             const v1::SuspendPriorMapRequest& request);
+absl::StatusOr<v1::LocateInPriorMapResponse> LocateInPriorMap(const Services& services, const Call& call,
+                                                              const v1::LocateInPriorMapRequest& request);
 absl::StatusOr<v1::ListPriorAssociationsResponse> ListPriorAssociations(
     const Services& services, const Call& call, const v1::ListPriorAssociationsRequest& request);
 absl::StatusOr<v1::ListPredictedLinkPointsResponse> ListPredictedLinkPoints(

@@ -306,6 +306,8 @@ class Tour:
                  for x, y in ((0, 0), (14, 0), (5, 9))]
         self.ok("PriorMapService.AlignPriorMap", {"name": name, "pairs": pairs})
         self.ok("PriorMapService.ActivatePriorMap", {"name": name})
+        scans = [{"scan": scan(i), "pose_odom_robot": {"x": 0.1 * i}} for i in range(0, 31, 3)]
+        self.ok("PriorMapService.LocateInPriorMap", {"name": name, "scans": scans})
         self.ok("PriorMapService.ListPriorAssociations", {"parent": name, "page_size": 3})
         self.ok("PriorMapService.ListPredictedLinkPoints", {"parent": name, "page_size": 3})
         self.ok("PriorMapService.SuspendPriorMap", {"name": name})

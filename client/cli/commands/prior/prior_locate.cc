@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "client/cli/commands/prior/plan_options.h"
 #include "client/cli/commands/prior/prior_fit_files.h"
 #include "client/cli/commands/prior/prior_locate_files.h"
+#include "client/cli/commands/prior/prior_locate_stored.h"
 #include "client/cli/log_options.h"
 #include "client/cli/mapped_drive.h"
 #include "client/cli/output.h"
@@ -30,6 +32,7 @@ using Clock = std::chrono::steady_clock;
 struct PriorLocateOptions {
   PlanOptions plan;
   std::string log;
+  std::string session;
   std::string pairs;
   std::string model{prior::NameOf(prior::PlanSight::kField)};
   std::string output;
@@ -38,6 +41,7 @@ struct PriorLocateOptions {
   bool nav2 = false;
   std::uint64_t seed = 1;
   sources::LogOptions reading;
+  const CLI::App* command = nullptr;  // says which options were given
 };
 
 prior::PlanLocalizerOptions ToLocalizerOptions(const PriorLocateOptions& options) {
@@ -48,7 +52,10 @@ prior::PlanLocalizerOptions ToLocalizerOptions(const PriorLocateOptions& options
   return options.nav2 ? prior::WithNav2Measurement(localizing) : localizing;
 }
 
-absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& options) {
+absl::Status LocateInFile(const Globals& globals, const PriorLocateOptions& options) {
+  if (!options.session.empty())
+    return InvalidArgument("--session is for plans of a site: {} is a file", options.plan.path);
+  if (options.log.empty()) return InvalidArgument("prior locate: LOG is missing");
   ENFILADE_ASSIGN_OR_RETURN(const perception::ReadPlanOptions reading, ToReadOptions(options.plan));
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, perception::ReadPlan(options.plan.path, reading));
   ENFILADE_RETURN_IF_ERROR(prior::CheckPlan(plan));
@@ -56,13 +63,14 @@ absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& op
   if (!options.pairs.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(pairs, ReadPairs(options.pairs));
     if (pairs.empty()) return InvalidArgument("{}: no pairs in it", options.pairs);
+    for (prior::ControlPair& pair : pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   }
   ENFILADE_ASSIGN_OR_RETURN(const double metres_per_unit, prior::NominalScale(plan, pairs));
   const prior::PlanField field(plan, metres_per_unit);
-  ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped, MapDrive(globals, options.log, options.reading));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::MappedDrive mapped, MapDrive(globals, options.log, options.reading));
   const Clock::time_point begin = Clock::now();
-  const prior::PlanDrive drive =
-      prior::LocateDrive(field, pairs, mapped.looks, mapped.submaps, ToLocalizerOptions(options));
+  ENFILADE_ASSIGN_OR_RETURN(const prior::PlanDrive drive,
+                            prior::LocateDrive(field, pairs, mapped, ToLocalizerOptions(options)));
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
 
   const nlohmann::json report = LocatedReport(field, drive, seconds);
@@ -83,14 +91,33 @@ absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& op
   return absl::OkStatus();
 }
 
+// What is there as a file is read here; anything else means a plan of the site.
+absl::Status RunPriorLocate(const Globals& globals, const PriorLocateOptions& options) {
+  if (std::filesystem::exists(options.plan.path)) return LocateInFile(globals, options);
+  for (const char* option : {"--measure", "--page", "--layers", "--level", "--model", "--fixed-scale", "--nav2",
+                             "--seed", "--output", "--plot"}) {
+    if (options.command->count(option) > 0) {
+      return InvalidArgument("{}: \"{}\" is no file, and of a site's plan that option cannot be set", option,
+                             options.plan.path);
+    }
+  }
+  return LocateInStoredPlan(globals, {options.plan.path, options.log, options.reading, options.session, options.pairs});
+}
+
 }  // namespace
 
 void AddPriorLocate(CLI::App& prior, const Globals& globals) {
   auto options = std::make_shared<PriorLocateOptions>();
   CLI::App* command = AddCommand(prior, "locate", "Locate a robot in a floor plan that nobody has corrected",
                                  [&globals, options] { return RunPriorLocate(globals, *options); });
+  options->command = command;
   AddPlanOptions(*command, options->plan);
-  command->add_option("LOG", options->log, "A recorded log (docs/logs.md lists the formats)")->required();
+  command->get_option("PLAN")->description(
+      "A file (docs/prior_maps.md lists the formats), or the name, id or resource name of a plan of the site");
+  command->add_option("LOG", options->log, "A recorded log (docs/logs.md lists the formats)");
+  command->add_option("--session", options->session,
+                      "By a session of the site that is mapped, instead of a log: its id; points of --pairs are in the "
+                      "frame of its map");
   command->add_option("--pairs", options->pairs,
                       "Points that are known in both: lines of plan_x_px,plan_y_px,x_m,y_m, in the frame in which the "
                       "log's first scan is at 0,0 and looks along x. Default: the robot may be anywhere");
@@ -109,7 +136,9 @@ void AddPriorLocate(CLI::App& prior, const Globals& globals) {
   AddNoOdometry(*command, options->reading);
   command->footer(
       "Examples:\n  enfilade prior locate plan.png drive.jsonl --pairs pairs.csv --plot located.png\n"
-      "  enfilade prior locate plan.png drive.jsonl --measure 120,40,480,40=7.2 -o located.json");
+      "  enfilade prior locate plan.png drive.jsonl --measure 120,40,480,40=7.2 -o located.json\n"
+      "  enfilade prior locate \"Ground floor\" drive.jsonl --timeout 120 --json\n"
+      "  enfilade prior locate \"Ground floor\" --session monday");
 }
 
 }  // namespace enfilade::cli

@@ -177,6 +177,82 @@ TEST_F(PriorMapCommandsTest, ARefusedPlanIsAnAnswer) {
   EXPECT_EQ(Printed()["state"], "diverged");
 }
 
+// A log of a robot that drives straight on from x = 5 m, 0.3 m and 1 s from scan to scan.
+std::string DriveLog(int scans) {
+  std::string text;
+  for (int i = 0; i < scans; ++i) {
+    text += "FLASER 181";
+    for (int beam = 0; beam < 181; ++beam) text += " 2.50";
+    const std::string pose = std::to_string(5 + 0.3 * i) + " 0 0";
+    text += " " + pose + " " + pose + " " + std::to_string(i) + " host " + std::to_string(i) + "\n";
+  }
+  return text;
+}
+
+TEST_F(PriorMapCommandsTest, LocateSendsALogOrASessionToTheServerOfAPlan) {
+  v1::LocateInPriorMapRequest asked;
+  server_.prior_maps.locate = [&](const v1::LocateInPriorMapRequest& request, v1::LocateInPriorMapResponse& response) {
+    asked = request;
+    response.set_confident(true);
+    response.set_confident_after_m(9.5);
+    response.set_travelled_m(12);
+    response.set_metres_per_unit(0.04);
+    response.set_reason("one place has 98 % of the mass");
+    v1::PriorMapMode& mode = *response.add_modes();
+    mode.set_mass(0.98);
+    mode.set_sheet_x(100);
+    mode.set_sheet_y(50.5);
+    mode.mutable_pose_plan_robot()->set_x(4);
+    mode.set_metres_per_unit(0.05);
+    mode.set_mirrored(true);
+    for (int i = 0; i < 16; ++i) mode.add_covariance(i % 5 == 0 ? 0.02 : 0);
+    mode.mutable_pose_world_robot()->mutable_pose()->set_y(-3);
+    return grpc::Status::OK;
+  };
+  const std::string log = File("drive.clf", DriveLog(41));
+  const std::string pairs = File("pairs.csv", "10,20,1,2\n");
+  ASSERT_OK(Run({"locate", "Ground floor", log, "--pairs", pairs}));
+  EXPECT_EQ(asked.name(), "sites/s/priorMaps/g");
+  ASSERT_EQ(asked.scans_size(), 41);
+  EXPECT_NEAR(asked.scans(40).pose_odom_robot().x(), 17.0, 1e-6);
+  ASSERT_EQ(asked.pairs_size(), 1);
+  EXPECT_EQ(asked.pairs(0).sheet_y(), 20);
+  EXPECT_NEAR(asked.pairs(0).x_m(), 6.0, 1e-6) << "the file's points are in the frame of the first scan";
+  EXPECT_NEAR(asked.pairs(0).y_m(), 2.0, 1e-6);
+  const json printed = Printed();
+  EXPECT_EQ(printed["confident"], true);
+  EXPECT_EQ(printed["confident_after_m"], 9.5);
+  const json& mode = printed["modes"][0];
+  EXPECT_EQ(mode["plan_px"], json::array({100.0, 50.5}));
+  EXPECT_EQ(mode["plan_m"], json::array({4.0, 0.0}));
+  EXPECT_EQ(mode["scale"], 1.25);
+  EXPECT_EQ(mode["mirrored"], true);
+  EXPECT_EQ(mode["covariance"].size(), 4U);
+  EXPECT_EQ(mode["covariance"][3][3], 0.02);
+  EXPECT_EQ(mode["pose_world_robot"]["y"], -3.0);
+  ASSERT_OK(Run({"locate", "Ground floor", "--session", "monday"}, false));
+  EXPECT_EQ(asked.session(), "sites/s/sessions/monday");
+  EXPECT_EQ(asked.scans_size(), 0);
+  EXPECT_THAT(printed_, HasSubstr("100.0 50.5"));
+  EXPECT_THAT(printed_, HasSubstr("located after 12.0 m: one place has 98 % of the mass"));
+}
+
+TEST_F(PriorMapCommandsTest, LocateNamesWhatAPlanOfASiteDoesNotTake) {
+  const std::string log = File("drive.clf", DriveLog(3));
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"locate"},
+                                                                     {"locate", "Ground floor"},
+                                                                     {"locate", "Ground floor", log, "--session", "m"},
+                                                                     {"locate", "Ground floor", log, "--model", "ndt"},
+                                                                     {"locate", "Ground floor", log, "-o", "o.json"},
+                                                                     {"locate", log},
+                                                                     {"locate", log, "--session", "monday"}}) {
+    EXPECT_CODE(Run(arguments), absl::StatusCode::kInvalidArgument) << ::testing::PrintToString(arguments);
+  }
+  EXPECT_TRUE(server_.calls().empty());
+  EXPECT_STATUS(Run({"locate", "cellar.png", log}), absl::StatusCode::kNotFound,
+                HasSubstr("\"cellar.png\" is no file; as a plan of sites/s"));
+}
+
 TEST_F(PriorMapCommandsTest, ChangesNameThePlanAndItsEtag) {
   std::vector<std::string> asked;
   const auto answer = [&](const auto& request, auto& response) {

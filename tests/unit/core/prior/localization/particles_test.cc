@@ -12,8 +12,8 @@ namespace enfilade::prior {
 namespace {
 
 TEST(LowVarianceSampleTest, DrawsEachAboutAsOftenAsItWeighs) {
-  EXPECT_THAT(LowVarianceSample({1, 0, 2, 1}, 8, 0.5), testing::ElementsAre(0U, 0U, 2U, 2U, 2U, 2U, 3U, 3U));
-  EXPECT_THAT(LowVarianceSample({0, 0, 1}, 3, 0.0), testing::ElementsAre(2U, 2U, 2U));
+  EXPECT_THAT(LowVarianceSample({1, 0, 2, 1}, 8, 0.5), ::testing::ElementsAre(0U, 0U, 2U, 2U, 2U, 2U, 3U, 3U));
+  EXPECT_THAT(LowVarianceSample({0, 0, 1}, 3, 0.0), ::testing::ElementsAre(2U, 2U, 2U));
 }
 
 // Fox 2003: chi squared's 99 % quantile with k - 1 degrees of freedom, divided by 2 epsilon.

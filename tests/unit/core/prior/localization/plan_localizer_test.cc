@@ -66,8 +66,8 @@ double ErrorOf(const PlanField& field, const DrivenPlan& building, const PlanMod
   return (building.InBuilding(field.ToSheet(mode.mean.translation())) - truth.translation()).norm();
 }
 
-class PlanLocalizerModels : public testing::TestWithParam<PlanSight> {};
-INSTANTIATE_TEST_SUITE_P(Models, PlanLocalizerModels, testing::Values(PlanSight::kField, PlanSight::kNdt),
+class PlanLocalizerModels : public ::testing::TestWithParam<PlanSight> {};
+INSTANTIATE_TEST_SUITE_P(Models, PlanLocalizerModels, ::testing::Values(PlanSight::kField, PlanSight::kNdt),
                          [](const auto& one) { return std::string(NameOf(one.param)); });
 
 TEST_P(PlanLocalizerModels, FollowsADriveFromTwoClicks) {
@@ -257,29 +257,45 @@ TEST(TrackSubmapTest, ASubmapOfACorridorSaysNothingAlongIt) {
 TEST(LocateDriveTest, SubmapsThatAreDoneAreTracked) {
   const DrivenPlan building{DrawnBuilding()};
   const Driven driven = DriveAlong(building, kWay);
-  std::vector<DriveLook> looks;
-  std::vector<DriveSubmap> submaps;
+  MappedDrive mapped;
+  std::vector<DriveSubmap>& submaps = mapped.submaps;
   for (std::size_t i = 0; i < driven.looks.size(); ++i) {
     const auto id = static_cast<std::int64_t>(i / 40);
     if (i % 40 == 0) submaps.push_back({id, driven.looks[i].T_map_robot, {}});
-    looks.push_back({driven.looks[i], id});
+    mapped.looks.push_back({driven.looks[i], id});
     const Pose2 T_submap_robot = Between(submaps.back().T_map_submap, driven.looks[i].T_map_robot);
     for (const Vector2d& hit : driven.looks[i].hits) submaps.back().points.push_back(T_submap_robot * hit);
   }
   const std::vector<ControlPair> pairs = Clicks(building, driven.truth.front());
   const PlanField field(building.plan, *NominalScale(building.plan, pairs));
-  const PlanDrive drive = LocateDrive(field, pairs, looks, submaps, QuickOptions(PlanSight::kField));
-  ASSERT_GE(drive.submaps.size(), 2U);
-  for (const TrackedSubmap& tracked : drive.submaps) {
+  const auto drive = LocateDrive(field, pairs, mapped, QuickOptions(PlanSight::kField));
+  ASSERT_TRUE(drive.ok()) << drive.status();
+  ASSERT_GE(drive->submaps.size(), 2U);
+  for (const TrackedSubmap& tracked : drive->submaps) {
     EXPECT_TRUE(tracked.accepted);
     const Pose2& truth = driven.truth[static_cast<std::size_t>(tracked.submap) * 40];
     EXPECT_LT((building.InBuilding(field.ToSheet(tracked.state.translation())) - truth.translation()).norm(), 0.3);
   }
 }
 
+TEST(LocateDriveTest, EndsWithinASearchWhenNobodyWaits) {
+  const DrivenPlan building{DrawnBuilding()};
+  const Driven driven = DriveAlong(building, kWay);
+  MappedDrive mapped;
+  for (const PlanLook& look : driven.looks) mapped.looks.push_back({look, 0});
+  const PlanField field(building.plan, 0.05);
+  // Asked once for each look; the first search of the whole plan asks more often.
+  int asked = 0;
+  const auto drive = LocateDrive(field, {}, mapped, QuickOptions(PlanSight::kField), [&]() -> absl::Status {
+    return ++asked < 12 ? absl::OkStatus() : absl::CancelledError("nobody waits");
+  });
+  EXPECT_EQ(drive.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(asked, 13) << "the search has ended at once, and the drive after its look";
+}
+
 TEST(NominalScaleTest, IsThatOfThePairsOrThePlanOrItsDoors) {
   PlanGraph plan = DrawnBuilding();
-  EXPECT_THAT(std::string(NominalScale(plan, {}).status().message()), testing::HasSubstr("does not tell its scale"));
+  EXPECT_THAT(std::string(NominalScale(plan, {}).status().message()), ::testing::HasSubstr("does not tell its scale"));
   plan.doors = {{{0, 0}, {18, 0}}, {{0, 0}, {20, 0}}, {{0, 0}, {40, 0}}};
   EXPECT_NEAR(*NominalScale(plan, {}), 0.9 / 20, 1e-12);
   plan.metres_per_unit = 0.05;
@@ -288,7 +304,7 @@ TEST(NominalScaleTest, IsThatOfThePairsOrThePlanOrItsDoors) {
   EXPECT_EQ(NominalScale(plan, {{{0, 0}, {0, 0}}, {{0, 0}, {24, 0}}}).status().code(),
             absl::StatusCode::kInvalidArgument);
   plan.metres_per_unit = 50;
-  EXPECT_THAT(std::string(NominalScale(plan, {}).status().message()), testing::HasSubstr("at most 500 m"));
+  EXPECT_THAT(std::string(NominalScale(plan, {}).status().message()), ::testing::HasSubstr("at most 500 m"));
 }
 
 }  // namespace
