@@ -94,7 +94,7 @@ class DoorArranger {
 
   bool IsBusy(const MapId& map) const {
     const SurveyedMap* found = survey_.FindMap(map);
-    return found != nullptr && found->busy;
+    return found != nullptr && found->holds();
   }
 
   // Unset: in a map that was not surveyed.
@@ -112,6 +112,12 @@ class DoorArranger {
   bool IsSurveyed(const graph::LinkPoint& link_point) const {
     return std::all_of(link_point.anchors.begin(), link_point.anchors.end(),
                        [&](const graph::Anchor& anchor) { return plan_.T_level_map.contains(anchor.map); });
+  }
+
+  // Of a lift on another level: the survey does not see who went there.
+  bool LeadsToCabin(const graph::LinkPoint& link_point) const {
+    return std::any_of(link_point.anchors.begin(), link_point.anchors.end(),
+                       [&](const graph::Anchor& anchor) { return survey_.cabins.contains(anchor.map); });
   }
 
   // The existing link point at the door: preferably one that joins its two maps already. One that would make the door's
@@ -264,7 +270,8 @@ class DoorArranger {
     if (link_point.is_candidate()) {
       const std::optional<Pose2> place = PlaceOfAnchor(link_point.anchors.front());
       if (place && (IsKnownDoorAhead(*place) || IsOpenAhead(*place))) return Remove(link_point);
-    } else if (door && !busy && IsSurveyed(link_point) && link_point.use != graph::LinkPointUse::kSuspended) {
+    } else if (door && !busy && IsSurveyed(link_point) && !LeadsToCabin(link_point) &&
+               link_point.use != graph::LinkPointUse::kSuspended) {
       return Remove(link_point);
     }
     graph::LinkPoint moved = link_point;

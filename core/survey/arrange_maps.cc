@@ -29,6 +29,8 @@ class MapArranger {
   void Run(const rooms::RoomPartition& partition) {
     PlaceMaps();
     ChooseMaps();
+    ChooseCabins(partition);
+    BeginMaps();
     MoveSessions();
     RedirectEmptyMaps();
     RedirectAwaitedMaps(partition);
@@ -80,15 +82,14 @@ class MapArranger {
   }
 
   void ChooseMaps() {
-    std::map<std::pair<int, MapId>, double> driven;
     for (const Stretch& stretch : found_.stretches) {
-      driven[{stretch.room, SessionOf(stretch).map}] += stretch.length + 1e-3;
+      driven_[{stretch.room, SessionOf(stretch).map}] += stretch.length + 1e-3;
     }
     // The root first, then busy maps, then those driven farthest in.
     std::vector<std::tuple<bool, bool, double, int, MapId>> choices;
-    for (const auto& [pair, length] : driven) {
+    for (const auto& [pair, length] : driven_) {
       const SurveyedMap* map = survey_.FindMap(pair.second);
-      choices.emplace_back(map == nullptr || !map->root, map == nullptr || !map->busy, -length, pair.first,
+      choices.emplace_back(map == nullptr || !map->root, map == nullptr || !map->holds(), -length, pair.first,
                            pair.second);
     }
     std::sort(choices.begin(), choices.end());
@@ -98,12 +99,52 @@ class MapArranger {
       plan_.map_of_room[room] = map;
       taken.insert(map);
     }
-    BeginMaps(driven);
+  }
+
+  // The cabin of a lift is one map, of one level. The room behind a door that leads to it is that cabin.
+  void ChooseCabins(const rooms::RoomPartition& partition) {
+    for (const graph::LinkPoint& link_point : survey_.link_points) {
+      for (const graph::Anchor& cabin : link_point.anchors) {
+        if (!survey_.cabins.contains(cabin.map)) continue;
+        for (const graph::Anchor& hall : link_point.anchors) ChooseCabin(partition, hall, cabin);
+      }
+    }
+  }
+
+  void ChooseCabin(const rooms::RoomPartition& partition, const graph::Anchor& hall, const graph::Anchor& cabin) {
+    const auto T_level_hall = plan_.T_level_map.find(hall.map);
+    if (survey_.cabins.contains(hall.map) || T_level_hall == plan_.T_level_map.end()) return;
+    const Pose2 T_level_door = T_level_hall->second * hall.T_map_place;
+    const int room = RoomBehind(partition, T_level_door, hall.map);
+    const auto now = plan_.map_of_room.find(room);
+    if (room == 0 || (now != plan_.map_of_room.end() && !MayGo(now->second))) return;
+    plan_.map_of_room[room] = cabin.map;
+    plan_.T_level_map[cabin.map] = T_level_door * Inverse(cabin.T_map_place);
+  }
+
+  // The room on the other side of a door of `map`; 0: there is none.
+  int RoomBehind(const rooms::RoomPartition& partition, const Pose2& T_level_door, const MapId& map) const {
+    constexpr double kBeside = 0.6;  // m
+    int sides[2];
+    for (int i = 0; i < 2; ++i) {
+      sides[i] = partition.RoomAt(T_level_door * Eigen::Vector2d(i == 0 ? kBeside : -kBeside, 0.0));
+    }
+    const auto is_of_map = [&](int room) {
+      const auto found = plan_.map_of_room.find(room);
+      return found != plan_.map_of_room.end() && found->second == map;
+    };
+    if (is_of_map(sides[0]) == is_of_map(sides[1])) return 0;
+    return is_of_map(sides[0]) ? sides[1] : sides[0];
+  }
+
+  bool MayGo(const MapId& map) const {
+    const SurveyedMap* found = survey_.FindMap(map);
+    return found != nullptr && !found->root && !found->busy;
   }
 
   // A map for each room whose maps are all those of other rooms. It begins in the frame of the session that was longest
   // in the room.
-  void BeginMaps(const std::map<std::pair<int, MapId>, double>& driven) {
+  void BeginMaps() {
     std::map<int, const Stretch*> longest;
     for (const Stretch& stretch : found_.stretches) {
       if (plan_.map_of_room.contains(stretch.room)) continue;
@@ -124,7 +165,7 @@ class MapArranger {
       plan_.map_of_room[room] = seed.id;
       plan_.T_level_map[seed.id] = *place;
       AddReason(fmt::format("map {} covers several rooms: {:.0f} m of its drive get a map of their own",
-                            session.map.value(), driven.at({room, session.map})));
+                            session.map.value(), driven_.at({room, session.map})));
       result_.new_maps.push_back(std::move(seed));
     }
   }
@@ -179,6 +220,11 @@ class MapArranger {
       if (map.busy || targets == driven_into_.end() || targets->second.contains(map.id)) continue;
       const auto most = std::max_element(targets->second.begin(), targets->second.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
+      if (map.holds() && !survey_.cabins.contains(most->first)) continue;
+      for (const SessionId& ride : map.rides) {
+        result_.moves.push_back(
+            {ride, most->first, Between(plan_.T_level_map.at(most->first), plan_.T_level_map.at(map.id))});
+      }
       plan_.successors[map.id] = most->first;
       result_.redirects.push_back(
           {map.id, most->first, Between(plan_.T_level_map.at(most->first), plan_.T_level_map.at(map.id))});
@@ -207,6 +253,7 @@ class MapArranger {
   const std::function<std::string()>& new_id_;
   RoomsOfDrives found_;
   MapPlan plan_;
+  std::map<std::pair<int, MapId>, double> driven_;        // m, in each room, by sessions of each map
   std::map<MapId, std::map<MapId, double>> driven_into_;  // where each map's sessions are now, and how much of them
   rearrange::Rearrangement result_;
 };

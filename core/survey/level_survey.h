@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,11 @@ struct SurveyedMap {
   // Something still happens in it that the survey does not contain: a session is recording or not mapped yet. A busy
   // map stays.
   bool busy = false;
+  // Sessions in it that are in no drive: robots entered it, the cabin of a lift, from another level.
+  std::vector<SessionId> rides = {};
+
+  // It stays, unless it is another map's cabin.
+  bool holds() const { return busy || !rides.empty(); }
 };
 
 // A map that a verdict began behind a door, and into which no session has come: the drive ended there.
@@ -63,6 +69,7 @@ struct LevelSurvey {
   std::vector<SurveyedMap> maps = {};  // all maps of the level's sessions
   std::vector<AwaitedMap> awaited = {};
   std::vector<graph::LinkPoint> link_points = {};  // with an anchor in one of these maps
+  std::set<MapId> cabins = {};                     // of lifts: maps of other levels in which robots came to another one
 
   const SurveyedMap* FindMap(const MapId& id) const;
 };

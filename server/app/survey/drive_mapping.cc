@@ -11,6 +11,7 @@
 #include "core/grid/overlay.h"
 #include "fmt/format.h"
 #include "server/app/survey/drive_location.h"
+#include "server/app/survey/lift_rides.h"
 #include "server/app/survey/stored_drives.h"
 #include "storage/sessions/all_sessions.h"
 
@@ -57,24 +58,32 @@ Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
                      ToSeconds(time - before->time) / ToSeconds(after->time - before->time));
 }
 
+// What is known of all drives of the site.
+struct SiteDrives {
+  bool continue_drives = false;
+  std::set<SessionId> newest_of_robots;  // the last mapped session of each robot
+  LiftRides rides;
+};
+
 class LevelMapper {
  public:
-  LevelMapper(const SurveyStores& stores, const SurveyMappingOptions& options, const SiteGraph& graph,
-              const SiteId& site, const SurveyRun& run, bool continue_drives,
-              const std::set<SessionId>& newest_of_robots)
-      : reader_(stores, site, run.proceed),
-        options_(options),
-        graph_(graph),
-        run_(run),
-        continue_drives_(continue_drives),
-        newest_of_robots_(newest_of_robots) {}
+  LevelMapper(const DriveReader& reader, const SurveyMappingOptions& options, const SiteGraph& graph,
+              const SurveyRun& run, const SiteDrives& site)
+      : reader_(reader), options_(options), graph_(graph), run_(run), site_(site) {}
 
   absl::StatusOr<MappedLevel> Run(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
     level_.survey.level = level;
     ids_before_ = fmt::format("level {}", level);
     std::vector<StoredDrive> left = DrivesOn(level, sessions, maps);
-    ENFILADE_RETURN_IF_ERROR(LeaveOutCabins(sessions, maps, left));
+    for (StoredDrive& drive : left) {
+      std::erase_if(drive,
+                    [&](const storage::Session* session) { return site_.rides.from_elsewhere.contains(session->id); });
+    }
+    std::erase_if(left, [](const StoredDrive& drive) { return drive.empty(); });
+    for (const MapId& cabin : site_.rides.cabins) {
+      if (maps.at(cabin).level != level) level_.survey.cabins.insert(cabin);
+    }
     for (bool grown = true; std::exchange(grown, false);) {
       std::vector<StoredDrive> without_place;
       for (StoredDrive& drive : left) {
@@ -97,27 +106,6 @@ class LevelMapper {
     bool by_scans = false;             // nothing but its scans may say where it is
     std::optional<slam::ExistingMapEntry> start = {};
   };
-
-  // The cabin of a lift is a map of one level. A robot that enters it from another one sees that level's rooms through
-  // its door, and no room of this level: such sessions stay in the cabin's map.
-  absl::Status LeaveOutCabins(const std::vector<storage::Session>& sessions, const std::map<MapId, storage::Map>& maps,
-                              std::vector<StoredDrive>& drives) const {
-    std::map<SessionId, const storage::Session*> by_id;
-    for (const storage::Session& session : sessions) by_id.emplace(session.id, &session);
-    for (StoredDrive& drive : drives) {
-      if (!drive.front()->entry.previous) continue;
-      const auto previous = by_id.find(*drive.front()->entry.previous);
-      if (previous == by_id.end() || !previous->second->map) continue;
-      const auto map = maps.find(*previous->second->map);
-      if (map == maps.end() || map->second.level == level_.survey.level) continue;
-      ENFILADE_ASSIGN_OR_RETURN(const std::optional<sensor::DoorReport> passage,
-                                reader_.FindPassage(previous->second->id));
-      if (!passage || passage->entered_level.value_or(map->second.level) == level_.survey.level) continue;
-      drive.erase(drive.begin());
-    }
-    std::erase_if(drives, [](const StoredDrive& drive) { return drive.empty(); });
-    return absl::OkStatus();
-  }
 
   // False: nothing says where the drive is.
   absl::StatusOr<bool> AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
@@ -163,7 +151,7 @@ class LevelMapper {
   }
 
   absl::Status BringUpToDate(DriveToMap& drive, CachedDrive& cached) const {
-    const bool may_continue = continue_drives_ || cached.before == mapped_before_;
+    const bool may_continue = site_.continue_drives || cached.before == mapped_before_;
     if (!may_continue || cached.records != drive.records) {
       std::size_t known = 0;
       if (may_continue && cached.growing) known = CountSessionsOf(cached.records, drive.stored, drive.environment);
@@ -178,7 +166,7 @@ class LevelMapper {
       cached.records = drive.records;
     }
     // If a drive of a robot that has begun another one goes on nevertheless, it is mapped from its start again.
-    if (!newest_of_robots_.contains(drive.stored.back()->id)) cached.growing.reset();
+    if (!site_.newest_of_robots.contains(drive.stored.back()->id)) cached.growing.reset();
     return absl::OkStatus();
   }
 
@@ -307,18 +295,26 @@ class LevelMapper {
       }
     }
     std::set<MapId> busy;
+    std::map<MapId, std::vector<SessionId>> rides;
     for (const storage::Session& session : sessions) {
-      if (session.map && !seen.contains(session.id)) busy.insert(*session.map);
+      if (!session.map || seen.contains(session.id)) continue;
+      if (site_.rides.from_elsewhere.contains(session.id)) {
+        rides[*session.map].push_back(session.id);
+      } else {
+        busy.insert(*session.map);
+      }
     }
-    std::erase_if(level_.survey.awaited,
-                  [&](const survey::AwaitedMap& map) { return surveyed.contains(map.id) || busy.contains(map.id); });
+    std::erase_if(level_.survey.awaited, [&](const survey::AwaitedMap& map) {
+      return surveyed.contains(map.id) || busy.contains(map.id) || rides.contains(map.id);
+    });
     for (const MapId& id : surveyed) {
       const storage::Map& map = maps.at(id);
       level_.survey.maps.push_back({.id = id,
                                     .environment = map.environment,
                                     .slam_profile = map.slam_profile,
                                     .root = id == graph_.graph().root(),
-                                    .busy = busy.contains(id)});
+                                    .busy = busy.contains(id),
+                                    .rides = rides[id]});
     }
     for (const graph::LinkPoint* link_point : graph_.graph().ListLinkPoints()) {
       const bool here = std::any_of(link_point->anchors.begin(), link_point->anchors.end(),
@@ -327,14 +323,13 @@ class LevelMapper {
     }
   }
 
-  const DriveReader reader_;
+  const DriveReader& reader_;
   const SurveyMappingOptions& options_;
   const SiteGraph& graph_;
   const SurveyRun& run_;
-  const bool continue_drives_;
-  const std::set<SessionId>& newest_of_robots_;  // the last mapped session of each robot
-  std::string ids_before_;                       // identifies the level and the drives so far
-  std::string mapped_before_;                    // identifies their records
+  const SiteDrives& site_;
+  std::string ids_before_;     // identifies the level and the drives so far
+  std::string mapped_before_;  // identifies their records
   MappedLevel level_;
 };
 
@@ -353,10 +348,13 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
     if (session.map && session.state == storage::SessionState::kMapped) survey.sessions.push_back(session.id);
     if (IsMapped(session) && maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
   }
-  const bool continue_drives = run.continue_drives || std::any_of(sessions.begin(), sessions.end(), IsUnderWay);
-  const std::set<SessionId> newest = NewestOfRobots(sessions);
+  const DriveReader reader(stores, site, run.proceed);
+  SiteDrives drives;
+  drives.continue_drives = run.continue_drives || std::any_of(sessions.begin(), sessions.end(), IsUnderWay);
+  drives.newest_of_robots = NewestOfRobots(sessions);
+  ENFILADE_ASSIGN_OR_RETURN(drives.rides, FindLiftRides(reader, sessions, maps));
   for (const int level : levels) {
-    LevelMapper mapper(stores, options, graph, site, run, continue_drives, newest);
+    LevelMapper mapper(reader, options, graph, run, drives);
     ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped, mapper.Run(level, sessions, maps));
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/ids.h"
+#include "server/app/survey/drive_reader.h"
+#include "storage/maps/map_store.h"
+#include "storage/sessions/session_store.h"
+
+namespace enfilade::server {
+
+// What robots did in lifts. The cabin of a lift is a map of one level, which robots enter and leave on others, too.
+struct LiftRides {
+  std::set<MapId> cabins;  // in which robots came to another level
+  // In a cabin, entered from a level that its map is not of: what such a session sees through the door is of that
+  // level.
+  std::set<SessionId> from_elsewhere;
+};
+
+// By the sessions that are mapped and follow one on another level, and by the passages between them. Those that people
+// have set count as none.
+absl::StatusOr<LiftRides> FindLiftRides(const DriveReader& reader, const std::vector<storage::Session>& sessions,
+                                        const std::map<MapId, storage::Map>& maps);
+
+}  // namespace enfilade::server
