@@ -12,46 +12,6 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-graph::LinkPoint Join(const std::string& id, const graph::Anchor& a, const graph::Anchor& b) {
-  graph::LinkPoint link_point;
-  link_point.id = LinkPointId(id);
-  link_point.anchors = {a, b};
-  link_point.direction = b.map;
-  return link_point;
-}
-
-graph::Anchor AnchorAt(const std::string& map, const Pose2& T_level_map, const Pose2& T_level_place) {
-  return {MapId(map), Between(T_level_map, T_level_place), Eigen::Matrix3d::Identity() * 1e-4};
-}
-
-rearrange::Rearrangement Arrange(const LevelSurvey& survey) {
-  return ArrangeMaps(survey, Corridor(), {}, NumberedIds());
-}
-
-constexpr Pose2 kPlaceB{5.0, 4.0, 1.0};
-
-// The corridor has two maps: a robot was in it, left it through the south door and came back, and the server did not
-// recognise it.
-LevelSurvey DoubledCorridor() {
-  LevelSurvey survey;
-  std::vector<Leg> legs = {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 2.0}}},
-                           {"s2", "b", {1.0, 1.0, 0.3}, {{1.5, 2.0}, {3.0, 1.0}, {1.5, 1.0}, {1.5, 3.5}}},
-                           {"s3", "c", kPlaceB, {{1.5, 3.5}, {4.0, 4.0}}}};
-  survey.drives = {MakeDrive(legs)};
-  Drive& drive = survey.drives[0];
-  for (const std::size_t i : {0, 1}) {  // the passages' times: the visit nearest to y 2.75
-    for (const Visit& visit : drive[i].visits) {
-      const bool behind = i == 0 ? visit.T_level_robot.y < 2.75 : visit.T_level_robot.y > 2.75;
-      if (behind && !drive[i].left) drive[i].left = visit.time;
-    }
-  }
-  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}, {.id = MapId("c")}};
-  const Pose2 door{1.5, 2.75, -M_PI / 2};
-  survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door)),
-                        Join("d2", AnchorAt("b", {1.0, 1.0, 0.3}, door), AnchorAt("c", kPlaceB, door))};
-  return survey;
-}
-
 TEST(ArrangeMaps, TwoMapsOfOneRoomBecomeOne) {
   const LevelSurvey survey = DoubledCorridor();
   const rearrange::Rearrangement change = Arrange(survey);
@@ -110,78 +70,6 @@ TEST(ArrangeMaps, MapsThatAreRoomsStay) {
   const Pose2 door{1.5, 2.75, -M_PI / 2};
   survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door))};
   EXPECT_TRUE(Arrange(survey).empty());
-}
-
-// The corridor is on another level than the one that the cabin was first entered from, and the server did not recognise
-// the cabin behind a door (d2) that the graph knows from another drive (d1).
-LevelSurvey CorridorWithLift() {
-  LevelSurvey survey;
-  const Pose2 T_level_cabin{3.0, -2.0, 0.7};
-  const Pose2 door{1.5, 2.75, M_PI / 2};
-  survey.drives = {MakeDrive(
-      {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", kPlaceB, {{1.5, 2.0}, {3.0, 1.0}}}})};
-  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
-  survey.link_points = {Join("d1", AnchorAt("cabin", T_level_cabin, door), AnchorAt("a", {}, door)),
-                        Join("d2", AnchorAt("a", {}, door), AnchorAt("b", kPlaceB, door)),
-                        Join("d3", AnchorAt("b", kPlaceB, door), AnchorAt("lobby", {}, {}))};
-  survey.cabins = {MapId("cabin")};
-  return survey;
-}
-
-TEST(ArrangeMaps, ACabinOfALiftIsOneMapOnAllLevels) {
-  const LevelSurvey survey = CorridorWithLift();
-  const rearrange::Rearrangement change = Arrange(survey);
-  EXPECT_TRUE(rearrange::Validate(change).ok());
-  EXPECT_THAT(change.new_maps, IsEmpty());
-  ASSERT_THAT(change.moves, SizeIs(1));
-  EXPECT_EQ(change.moves[0].session, SessionId("s2"));
-  EXPECT_EQ(change.moves[0].to, MapId("cabin"));
-  const Pose2 T_cabin_b = Between({3.0, -2.0, 0.7}, kPlaceB);
-  EXPECT_NEAR(change.moves[0].T_to_from.x, T_cabin_b.x, 1e-6);
-  EXPECT_NEAR(change.moves[0].T_to_from.y, T_cabin_b.y, 1e-6);
-  EXPECT_NEAR(change.moves[0].T_to_from.yaw, T_cabin_b.yaw, 1e-6);
-  ASSERT_THAT(change.redirects, SizeIs(1));
-  EXPECT_EQ(change.redirects[0].from, MapId("b"));
-  EXPECT_EQ(change.redirects[0].to, MapId("cabin"));
-  EXPECT_EQ(JoinedMaps(After(survey, change)),
-            (std::multiset<std::set<std::string>>{{"a", "cabin"}, {"cabin", "lobby"}}))
-      << "the cabin's door of the other level stays";
-}
-
-TEST(ArrangeMaps, RidesGoWithTheirCabinAndNowhereElse) {
-  LevelSurvey survey = CorridorWithLift();
-  survey.maps[1].rides = {SessionId("r")};
-  const rearrange::Rearrangement change = Arrange(survey);
-  EXPECT_TRUE(rearrange::Validate(change).ok());
-  ASSERT_THAT(change.moves, SizeIs(2));
-  EXPECT_EQ(change.moves[1].session, SessionId("r"));
-  EXPECT_EQ(change.moves[1].to, MapId("cabin"));
-  EXPECT_NEAR(change.moves[1].T_to_from.x, change.moves[0].T_to_from.x, 1e-9);
-  ASSERT_THAT(change.redirects, SizeIs(1));
-  EXPECT_EQ(change.redirects[0].from, MapId("b"));
-
-  LevelSurvey doubled = DoubledCorridor();
-  doubled.maps[2].rides = {SessionId("r")};  // nobody knows where it is on this level
-  EXPECT_THAT(Arrange(doubled).redirects, IsEmpty());
-}
-
-// Sessions end at the door: what is behind it is not of this level.
-TEST(ArrangeMaps, ADoorToACabinStaysThoughNobodyWasSeenBehindIt) {
-  LevelSurvey survey = CorridorWithLift();
-  survey.drives[0].pop_back();
-  survey.maps.pop_back();
-  survey.link_points.resize(1);
-  EXPECT_TRUE(Arrange(survey).empty()) << Arrange(survey).reason;
-}
-
-TEST(ArrangeMaps, ABusyMapOrTheRootIsNoCabin) {
-  LevelSurvey survey = CorridorWithLift();
-  survey.maps[1].busy = true;
-  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
-  survey = CorridorWithLift();
-  survey.maps[1].root = true;
-  survey.maps[0].root = false;
-  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
 }
 
 // What a verdict at the door knew was little; the survey has seen both rooms as a whole.

@@ -164,4 +164,44 @@ inline std::multiset<std::set<std::string>> JoinedMaps(const LevelSurvey& survey
   return joined;
 }
 
+inline graph::LinkPoint Join(const std::string& id, const graph::Anchor& a, const graph::Anchor& b) {
+  graph::LinkPoint link_point;
+  link_point.id = LinkPointId(id);
+  link_point.anchors = {a, b};
+  link_point.direction = b.map;
+  return link_point;
+}
+
+inline graph::Anchor AnchorAt(const std::string& map, const Pose2& T_level_map, const Pose2& T_level_place) {
+  return {MapId(map), Between(T_level_map, T_level_place), Eigen::Matrix3d::Identity() * 1e-4};
+}
+
+inline rearrange::Rearrangement Arrange(const LevelSurvey& survey) {
+  return ArrangeMaps(survey, Corridor(), {}, NumberedIds());
+}
+
+inline constexpr Pose2 kPlaceB{5.0, 4.0, 1.0};
+
+// The corridor has two maps: a robot was in it, left it through the south door and came back, and the server did not
+// recognise it.
+inline LevelSurvey DoubledCorridor() {
+  LevelSurvey survey;
+  std::vector<Leg> legs = {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 2.0}}},
+                           {"s2", "b", {1.0, 1.0, 0.3}, {{1.5, 2.0}, {3.0, 1.0}, {1.5, 1.0}, {1.5, 3.5}}},
+                           {"s3", "c", kPlaceB, {{1.5, 3.5}, {4.0, 4.0}}}};
+  survey.drives = {MakeDrive(legs)};
+  Drive& drive = survey.drives[0];
+  for (const std::size_t i : {0, 1}) {  // the passages' times: the visit nearest to y 2.75
+    for (const Visit& visit : drive[i].visits) {
+      const bool behind = i == 0 ? visit.T_level_robot.y < 2.75 : visit.T_level_robot.y > 2.75;
+      if (behind && !drive[i].left) drive[i].left = visit.time;
+    }
+  }
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}, {.id = MapId("c")}};
+  const Pose2 door{1.5, 2.75, -M_PI / 2};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door)),
+                        Join("d2", AnchorAt("b", {1.0, 1.0, 0.3}, door), AnchorAt("c", kPlaceB, door))};
+  return survey;
+}
+
 }  // namespace enfilade::survey

@@ -6,6 +6,8 @@
 
 #include <string>
 
+#include "tests/unit/client/robot/agent/door_events.h"
+
 namespace enfilade::robot {
 namespace {
 
@@ -51,34 +53,6 @@ std::string ToldBy(const std::vector<Action>& actions) {
     if (const auto* tell = std::get_if<ShowMessage>(&action)) told += tell->text + "\n";
   }
   return told;
-}
-
-TimeNs AfterStart(double seconds) { return static_cast<TimeNs>(seconds * 1e9) + kNsPerSecond; }
-
-Moved MovedTo(double seconds, double x) { return {AfterStart(seconds), {x, 0.0, 0.0}}; }
-
-// A door across the x axis.
-DoorDetected Door(doors::DoorEvent::Kind kind, std::int64_t number, double seconds, double door_seconds,
-                  double door_x) {
-  doors::DoorEvent event;
-  event.kind = kind;
-  event.door = number;
-  event.time = AfterStart(seconds);
-  event.T_odom_robot = {door_x + 1.0, 0.0, 0.0};
-  event.door_time = AfterStart(door_seconds);
-  event.T_odom_door = {door_x, 0.0, 0.0};
-  event.width = 1.0;
-  event.reason = "as the test says";
-  return {event};
-}
-DoorDetected Latched(std::int64_t number, double seconds) {
-  return Door(doors::DoorEvent::Kind::kLatched, number, seconds, seconds, 0.0);
-}
-DoorDetected Candidate(std::int64_t number, double seconds, double door_seconds) {
-  return Door(doors::DoorEvent::Kind::kCandidate, number, seconds, door_seconds, 0.0);
-}
-DoorDetected Passage(std::int64_t number, double seconds, double door_seconds, double door_x) {
-  return Door(doors::DoorEvent::Kind::kPassage, number, seconds, door_seconds, door_x);
 }
 
 class StateMachineTest : public ::testing::Test {
@@ -360,63 +334,6 @@ TEST_F(StateMachineTest, EventsOutOfTurnChangeNothing) {
   EXPECT_THAT(Do(Ready{}), IsEmpty());
   EXPECT_THAT(Do(SessionFinished{}), IsEmpty());
   EXPECT_EQ(state(), State::kMapping);
-}
-
-TEST(StateMachineLevels, APassageLeadsToTheLevelThatTheRobotWasOnThen) {
-  StateMachineOptions options;
-  options.start = RecordNewMap{"Hall"};
-  StateMachine machine(options);
-  std::vector<sensor::DoorReport> reports;
-  const auto handle = [&](const Event& event) {
-    for (const Action& action : machine.Handle(event)) {
-      if (const auto* written = std::get_if<WriteReport>(&action)) reports.push_back(written->report);
-    }
-  };
-  const auto pass = [&](std::int64_t number, double seconds) {
-    handle(MovedTo(seconds, 0.0));
-    handle(Passage(number, seconds, seconds, 0.0));
-  };
-  const auto begin = [&] {
-    handle(SessionFinished{});
-    handle(SessionBegun{});
-  };
-  handle(Ready{});
-  handle(SessionBegun{});
-  pass(1, 1.0);
-  handle(Command(EnterLevel{1}));  // in the lift, before the robot is far behind its door
-  ASSERT_EQ(reports.size(), 1U) << "what the robot sees now is of another level";
-  begin();
-  pass(2, 30.0);
-  handle(MovedTo(50.0, 5.0));
-  begin();
-  pass(3, 60.0);
-  handle(MovedTo(80.0, 5.0));
-  ASSERT_EQ(reports.size(), 3U);
-  EXPECT_EQ(reports[0].entered_level, std::nullopt);
-  EXPECT_EQ(reports[1].entered_level, 1);
-  EXPECT_EQ(reports[2].entered_level, 1);
-}
-
-// The detector may be sure of the lift's door only once the robot has left the lift.
-TEST(StateMachineLevels, APassageThatIsSeenLateLeadsToTheLevelBefore) {
-  StateMachineOptions options;
-  options.start = RecordNewMap{"Hall"};
-  StateMachine machine(options);
-  std::vector<sensor::DoorReport> reports;
-  const auto handle = [&](const Event& event) {
-    for (const Action& action : machine.Handle(event)) {
-      if (const auto* written = std::get_if<WriteReport>(&action)) reports.push_back(written->report);
-    }
-  };
-  handle(Ready{});
-  handle(SessionBegun{});
-  handle(MovedTo(10.0, 0.0));
-  handle(Command(EnterLevel{3}));
-  handle(MovedTo(20.0, 1.0));
-  handle(Command(EnterLevel{4}));
-  handle(Passage(1, 21.0, 15.0, 0.5));  // at 15 s, on level 3
-  ASSERT_EQ(reports.size(), 1U);
-  EXPECT_EQ(reports[0].entered_level, 3);
 }
 
 TEST_F(StateMachineTest, APassageIsReportedOnceTheRobotStandsBehindTheDoor) {

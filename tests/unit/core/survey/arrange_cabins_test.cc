@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cabins of lifts, which are maps of one level and entered from others, too.
+#include "core/survey/arrange_maps.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/unit/core/survey/drawn_level.h"
+
+namespace enfilade::survey {
+namespace {
+
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// The corridor is on another level than the one that the cabin was first entered from, and the server did not recognise
+// the cabin behind a door (d2) that the graph knows from another drive (d1).
+LevelSurvey CorridorWithLift() {
+  LevelSurvey survey;
+  const Pose2 T_level_cabin{3.0, -2.0, 0.7};
+  const Pose2 door{1.5, 2.75, M_PI / 2};
+  survey.drives = {MakeDrive(
+      {{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", kPlaceB, {{1.5, 2.0}, {3.0, 1.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
+  survey.link_points = {Join("d1", AnchorAt("cabin", T_level_cabin, door), AnchorAt("a", {}, door)),
+                        Join("d2", AnchorAt("a", {}, door), AnchorAt("b", kPlaceB, door)),
+                        Join("d3", AnchorAt("b", kPlaceB, door), AnchorAt("lobby", {}, {}))};
+  survey.cabins = {MapId("cabin")};
+  return survey;
+}
+
+TEST(ArrangeCabins, ACabinOfALiftIsOneMapOnAllLevels) {
+  const LevelSurvey survey = CorridorWithLift();
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  EXPECT_THAT(change.new_maps, IsEmpty());
+  ASSERT_THAT(change.moves, SizeIs(1));
+  EXPECT_EQ(change.moves[0].session, SessionId("s2"));
+  EXPECT_EQ(change.moves[0].to, MapId("cabin"));
+  const Pose2 T_cabin_b = Between({3.0, -2.0, 0.7}, kPlaceB);
+  EXPECT_NEAR(change.moves[0].T_to_from.x, T_cabin_b.x, 1e-6);
+  EXPECT_NEAR(change.moves[0].T_to_from.y, T_cabin_b.y, 1e-6);
+  EXPECT_NEAR(change.moves[0].T_to_from.yaw, T_cabin_b.yaw, 1e-6);
+  ASSERT_THAT(change.redirects, SizeIs(1));
+  EXPECT_EQ(change.redirects[0].from, MapId("b"));
+  EXPECT_EQ(change.redirects[0].to, MapId("cabin"));
+  EXPECT_EQ(JoinedMaps(After(survey, change)),
+            (std::multiset<std::set<std::string>>{{"a", "cabin"}, {"cabin", "lobby"}}))
+      << "the cabin's door of the other level stays";
+}
+
+TEST(ArrangeCabins, RidesGoWithTheirCabinAndNowhereElse) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.maps[1].rides = {SessionId("r")};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  ASSERT_THAT(change.moves, SizeIs(2));
+  EXPECT_EQ(change.moves[1].session, SessionId("r"));
+  EXPECT_EQ(change.moves[1].to, MapId("cabin"));
+  EXPECT_NEAR(change.moves[1].T_to_from.x, change.moves[0].T_to_from.x, 1e-9);
+  ASSERT_THAT(change.redirects, SizeIs(1));
+  EXPECT_EQ(change.redirects[0].from, MapId("b"));
+
+  LevelSurvey doubled = DoubledCorridor();
+  doubled.maps[2].rides = {SessionId("r")};  // nobody knows where it is on this level
+  EXPECT_THAT(Arrange(doubled).redirects, IsEmpty());
+}
+
+// Sessions end at the door: what is behind it is not of this level.
+TEST(ArrangeCabins, ADoorToACabinStaysThoughNobodyWasSeenBehindIt) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.drives[0].pop_back();
+  survey.maps.pop_back();
+  survey.link_points.resize(1);
+  EXPECT_TRUE(Arrange(survey).empty()) << Arrange(survey).reason;
+}
+
+TEST(ArrangeCabins, ABusyMapOrTheRootIsNoCabin) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.maps[1].busy = true;
+  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
+  survey = CorridorWithLift();
+  survey.maps[1].root = true;
+  survey.maps[0].root = false;
+  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
+}
+
+}  // namespace
+}  // namespace enfilade::survey
