@@ -94,7 +94,7 @@ class DoorArranger {
 
   bool IsBusy(const MapId& map) const {
     const SurveyedMap* found = survey_.FindMap(map);
-    return found != nullptr && found->holds();
+    return found != nullptr && found->stays();
   }
 
   // Unset: in a map that was not surveyed.

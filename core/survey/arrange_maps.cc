@@ -89,7 +89,7 @@ class MapArranger {
     std::vector<std::tuple<bool, bool, double, int, MapId>> choices;
     for (const auto& [pair, length] : driven_) {
       const SurveyedMap* map = survey_.FindMap(pair.second);
-      choices.emplace_back(map == nullptr || !map->root, map == nullptr || !map->holds(), -length, pair.first,
+      choices.emplace_back(map == nullptr || !map->root, map == nullptr || !map->stays(), -length, pair.first,
                            pair.second);
     }
     std::sort(choices.begin(), choices.end());
@@ -104,6 +104,7 @@ class MapArranger {
   // The cabin of a lift is one map, of one level. The room behind a door that leads to it is that cabin.
   void ChooseCabins(const rooms::RoomPartition& partition) {
     for (const graph::LinkPoint& link_point : survey_.link_points) {
+      if (link_point.use == graph::LinkPointUse::kSuspended) continue;
       for (const graph::Anchor& cabin : link_point.anchors) {
         if (!survey_.cabins.contains(cabin.map)) continue;
         for (const graph::Anchor& hall : link_point.anchors) ChooseCabin(partition, hall, cabin);
@@ -220,7 +221,7 @@ class MapArranger {
       if (map.busy || targets == driven_into_.end() || targets->second.contains(map.id)) continue;
       const auto most = std::max_element(targets->second.begin(), targets->second.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
-      if (map.holds() && !survey_.cabins.contains(most->first)) continue;
+      if (map.stays() && !survey_.cabins.contains(most->first)) continue;
       for (const SessionId& ride : map.rides) {
         result_.moves.push_back(
             {ride, most->first, Between(plan_.T_level_map.at(most->first), plan_.T_level_map.at(map.id))});

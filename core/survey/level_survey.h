@@ -48,11 +48,11 @@ struct SurveyedMap {
   // Something still happens in it that the survey does not contain: a session is recording or not mapped yet. A busy
   // map stays.
   bool busy = false;
-  // Sessions in it that are in no drive: robots entered it, the cabin of a lift, from another level.
+  // Sessions in it that are in no drive, because it is the cabin of a lift and robots entered it from another level.
   std::vector<SessionId> rides = {};
 
-  // It stays, unless it is another map's cabin.
-  bool holds() const { return busy || !rides.empty(); }
+  // A map with rides goes only where they can go with it: into the map of the same cabin.
+  bool stays() const { return busy || !rides.empty(); }
 };
 
 // A map that a verdict began behind a door, and into which no session has come: the drive ended there.

@@ -84,8 +84,8 @@ struct SaveRearImage {};
 struct SetCandidate {
   graph::LinkPointKind place = graph::LinkPointKind::kDoor;
 };
-// The robot has come to another level, by what a lift or a barometer tells it. Later passages lead to this level. One
-// that is not reported yet, into the lift, is reported at once.
+// The robot has come to another level, by what a lift or a barometer tells it. Later passages lead to this level. A
+// passage that is not reported yet, which led into the lift, is reported at once.
 struct EnterLevel {
   std::int32_t level = 0;
 };

@@ -2,7 +2,6 @@
 #include "server/app/survey/drive_mapping.h"
 
 #include <algorithm>
-#include <chrono>
 #include <set>
 #include <utility>
 

@@ -64,6 +64,12 @@ TEST(ArrangeCabins, RidesGoWithTheirCabinAndNowhereElse) {
   EXPECT_THAT(Arrange(doubled).redirects, IsEmpty());
 }
 
+TEST(ArrangeCabins, ASuspendedLinkPointShowsNoCabin) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.link_points[0].use = graph::LinkPointUse::kSuspended;
+  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
+}
+
 // Sessions end at the door: what is behind it is not of this level.
 TEST(ArrangeCabins, ADoorToACabinStaysThoughNobodyWasSeenBehindIt) {
   LevelSurvey survey = CorridorWithLift();
