@@ -20,9 +20,13 @@ namespace {
 
 class MapArranger {
  public:
-  MapArranger(const LevelSurvey& survey, const std::string& map_name, const std::function<std::string()>& new_id,
+  MapArranger(const LevelSurvey& survey, const SurveyOptions& options, const std::function<std::string()>& new_id,
               RoomsOfDrives found)
-      : survey_(survey), map_name_(map_name), new_id_(new_id), found_(std::move(found)) {
+      : survey_(survey),
+        map_name_(options.map_name),
+        reach_(options.reach),
+        new_id_(new_id),
+        found_(std::move(found)) {
     DeferLaterCuts();
   }
 
@@ -205,6 +209,26 @@ class MapArranger {
       first = false;
     }
     Move(piece, session, target);
+    const bool stays = piece == session.id && target == session.map;
+    if (stays && session.cabin) CutAtCabin(session);
+  }
+
+  // What a session recorded in the cabin is the cabin's. One that moves or is cut elsewhere waits for the next survey.
+  void CutAtCabin(const SurveyedSession& session) {
+    const CabinEntry& entry = *session.cabin;
+    const auto door = std::find_if(survey_.link_points.begin(), survey_.link_points.end(),
+                                   [&](const graph::LinkPoint& one) { return one.id == entry.door; });
+    if (door == survey_.link_points.end() || door->use == graph::LinkPointUse::kSuspended) return;
+    const graph::Anchor* hall = door->FindAnchor(session.map);
+    const graph::Anchor* cabin = door->FindAnchor(entry.cabin);
+    if (hall == nullptr || cabin == nullptr || plan_.successors.contains(entry.cabin)) return;
+    const bool reached = std::any_of(entry.visits.begin(), entry.visits.end(), [&](const Visit& visit) {
+      return Between(hall->T_map_place, visit.T_map_robot).translation().norm() >= reach_;
+    });
+    if (!reached || session.visits.empty()) return;
+    const SessionId rest(new_id_());
+    result_.cuts.push_back({session.id, entry.visits.front().sequence, rest});
+    result_.moves.push_back({rest, entry.cabin, cabin->T_map_place * Inverse(hall->T_map_place)});
   }
 
   void Move(const SessionId& piece, const SurveyedSession& session, const MapId& target) {
@@ -251,6 +275,7 @@ class MapArranger {
 
   const LevelSurvey& survey_;
   const std::string& map_name_;
+  const double reach_;
   const std::function<std::string()>& new_id_;
   RoomsOfDrives found_;
   MapPlan plan_;
@@ -263,7 +288,7 @@ class MapArranger {
 
 rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,
                                      const SurveyOptions& options, const std::function<std::string()>& new_id) {
-  MapArranger maps(survey, options.map_name, new_id, FindRooms(survey, partition, options));
+  MapArranger maps(survey, options, new_id, FindRooms(survey, partition, options));
   maps.Run(partition);
   rearrange::Rearrangement result = maps.TakeResult();
   ArrangeDoors({survey, partition, maps.found()}, maps.plan(), options, new_id, result);

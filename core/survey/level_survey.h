@@ -27,6 +27,13 @@ struct Visit {
   Pose2 T_level_robot = {};  // as the survey has it
 };
 
+// A robot went into the cabin of a lift that is a map of another level, and was well inside before its session ended.
+struct CabinEntry {
+  MapId cabin = {};
+  LinkPointId door = {};
+  std::vector<Visit> visits = {};  // behind the door; without T_level_robot
+};
+
 struct SurveyedSession {
   SessionId id = {};
   MapId map = {};
@@ -35,6 +42,7 @@ struct SurveyedSession {
   std::optional<TimeNs> left = {};        // when the robot went through the door at the session's end, if it did
   Pose2 T_level_left = {};                // where, facing through the door; only if `left` is set
   double left_width = 0.0;                // m, of that door; 0: unknown
+  std::optional<CabinEntry> cabin = {};   // if that door is a cabin's; `visits` end at it
 };
 
 // What one robot recorded without a break: each session but the first follows its predecessor through a door.

@@ -2,6 +2,7 @@
 #include "server/app/survey/drive_mapping.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -99,6 +100,7 @@ class LevelMapper {
  private:
   struct DriveToMap {
     const StoredDrive& stored;
+    const survey::Drive& sessions;  // the same ones, with all their visits
     Environment environment;
     std::string records;               // KeyOf
     std::optional<TimeNs> until = {};  // what is later was recorded beyond a door to another level
@@ -117,9 +119,13 @@ class LevelMapper {
     const bool begins_level = level_.survey.drives.empty();
     ENFILADE_ASSIGN_OR_RETURN(const std::optional<closure::DoorVerdict> verdict,
                               reader_.FindVerdict(stored.back()->id));
-    DriveToMap to_map{.stored = stored, .environment = environment, .records = KeyOf(stored, environment)};
+    DriveToMap to_map{
+        .stored = stored, .sessions = drive, .environment = environment, .records = KeyOf(stored, environment)};
     if (verdict && LeadsToAnotherLevel(*verdict, maps)) to_map.until = drive.back().left;
-    if (to_map.until) to_map.records += fmt::format(" until {}", *to_map.until);
+    if (to_map.until) {
+      to_map.records += fmt::format(" until {}", *to_map.until);
+      drive.back().cabin = EntryOf(*verdict, drive.back(), *to_map.until);
+    }
     if (!begins_level) to_map.start = StartByGraph(*first);
     to_map.by_scans = !begins_level && !to_map.start;
     const std::string id = Sha256(ids_before_ + (to_map.by_scans ? "?" : "") + BeginningOf(stored, environment));
@@ -147,6 +153,17 @@ class LevelMapper {
     if (!verdict.entered_map) return false;
     const auto map = maps.find(*verdict.entered_map);
     return map != maps.end() && map->second.level != level_.survey.level;
+  }
+
+  // `session`: with all its visits. Unset if the door is no cabin's, or none of them is beyond it.
+  std::optional<survey::CabinEntry> EntryOf(const closure::DoorVerdict& verdict, const survey::SurveyedSession& session,
+                                            TimeNs left) const {
+    if (!verdict.link_point || !verdict.entered_map) return std::nullopt;
+    if (!site_.rides.cabins.contains(*verdict.entered_map)) return std::nullopt;
+    survey::CabinEntry entry{.cabin = *verdict.entered_map, .door = *verdict.link_point};
+    std::copy_if(session.visits.begin(), session.visits.end(), std::back_inserter(entry.visits),
+                 [&](const survey::Visit& visit) { return visit.time > left; });
+    return entry.visits.empty() ? std::nullopt : std::optional(std::move(entry));
   }
 
   absl::Status BringUpToDate(DriveToMap& drive, CachedDrive& cached) const {
@@ -211,10 +228,16 @@ class LevelMapper {
 
   // The sessions from the `known`th on are new.
   absl::Status Extend(const DriveToMap& drive, std::size_t known, CachedDrive& cached) const {
-    const auto feed = [&](const std::function<void(sensor::Record)>& add) -> absl::Status {
+    const auto feed = [&](const GrowingDrive::Add& add) -> absl::Status {
       for (std::size_t i = known; i < drive.stored.size(); ++i) {
-        ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(*drive.stored[i], drive.until, [&](sensor::Record record) {
-          add(std::move(record));
+        const storage::Session& session = *drive.stored[i];
+        // Without odometry nothing else bridges the way from keyframe to keyframe.
+        const bool all = session.record_counts.odometry == 0;
+        std::set<std::int64_t> keyframes;
+        for (const survey::Visit& visit : drive.sessions[i].visits) keyframes.insert(visit.sequence);
+        ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(session, drive.until, [&](sensor::Record record) {
+          const bool is_keyframe = all || keyframes.contains(record.sequence);
+          add(std::move(record), is_keyframe);
           return absl::OkStatus();
         }));
       }

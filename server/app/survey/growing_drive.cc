@@ -3,12 +3,30 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "core/base/status_macros.h"
 #include "core/slam/mapper/log_mapper.h"
 
 namespace enfilade::server {
 namespace {
+
+// Nearly all of a session's keyframes are to be keyframes of the drive, though their distances differ a little there.
+slam::SlamOptions ForKeyframes(slam::SlamOptions slam) {
+  constexpr double kNearly = 0.9;
+  slam.keyframe.distance *= kNearly;
+  slam.keyframe.angle *= kNearly;
+  return slam;
+}
+
+bool IsScan(const sensor::Record& record) { return std::holds_alternative<sensor::LaserScan>(record.payload); }
+
+// Adds the odometry of the records.
+void AddWithoutScan(const std::vector<sensor::Record>& records, slam::LogMapper& mapper) {
+  for (const sensor::Record& record : records) {
+    if (!IsScan(record)) mapper.Add(record);
+  }
+}
 
 slam::LogMapper MakeMapper(const sensor::ScanPairingOptions& pairing, const slam::SlamOptions& slam,
                            const std::optional<slam::ExistingMap>& existing) {
@@ -19,17 +37,29 @@ slam::LogMapper MakeMapper(const sensor::ScanPairingOptions& pairing, const slam
 
 GrowingDrive::GrowingDrive(const sensor::ScanPairingOptions& pairing, const slam::SlamOptions& slam,
                            const std::optional<slam::ExistingMap>& existing)
-    : pairing_(pairing), slam_(slam) {
-  slam::LogMapper mapper = MakeMapper(pairing, slam, existing);
+    : pairing_(pairing), slam_(ForKeyframes(slam)) {
+  slam::LogMapper mapper = MakeMapper(pairing, slam_, existing);
   stored_.Apply(mapper.TakeDelta());
   checkpoint_ = mapper.Checkpoint();
 }
 
 absl::StatusOr<MappedDrive> GrowingDrive::Extend(const Feed& feed) {
   ENFILADE_ASSIGN_OR_RETURN(slam::LogMapper mapper, slam::LogMapper::Restore(pairing_, slam_, stored_, checkpoint_));
-  ENFILADE_RETURN_IF_ERROR(feed([&](sensor::Record record) { mapper.Add(std::move(record)); }));
+  std::vector<sensor::Record> tail = tail_;
+  ENFILADE_RETURN_IF_ERROR(feed([&](sensor::Record record, bool is_keyframe) {
+    if (IsScan(record)) {
+      AddWithoutScan(std::exchange(tail, {}), mapper);
+      if (!is_keyframe) return tail.push_back(std::move(record));
+    } else if (!std::holds_alternative<sensor::Odometry>(record.payload)) {
+      return;
+    }
+    if (!tail.empty()) return tail.push_back(std::move(record));
+    mapper.Add(std::move(record));
+  }));
   stored_.Apply(mapper.TakeDelta());
   checkpoint_ = mapper.Checkpoint();
+  tail_ = tail;
+  for (sensor::Record& record : tail) mapper.Add(std::move(record));
   mapper.Finish();
   slam::SlamMap finished = stored_;
   finished.Apply(mapper.TakeDelta());
@@ -41,7 +71,8 @@ absl::StatusOr<MappedDrive> GrowingDrive::Extend(const Feed& feed) {
 
 std::size_t GrowingDrive::bytes() const {
   std::size_t bytes = sizeof(*this) + checkpoint_.size() + stored_.nodes.size() * sizeof(slam::SlamNode) +
-                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint);
+                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint) +
+                      tail_.size() * sizeof(sensor::Record);
   for (const auto& [id, submap] : stored_.submaps) bytes += sizeof(submap) + submap.content.size();
   return bytes;
 }

@@ -30,7 +30,10 @@ struct MappedDrive {
 // thread-safe.
 class GrowingDrive {
  public:
-  using Feed = std::function<absl::Status(const std::function<void(sensor::Record)>& add)>;
+  // Of scans, only keyframes are mapped: those that a session's own mapping has chosen. Of the others the last one alone
+  // is used, to tell where the drive ends. `is_keyframe` says nothing about other records.
+  using Add = std::function<void(sensor::Record record, bool is_keyframe)>;
+  using Feed = std::function<absl::Status(const Add& add)>;
 
   // Without `existing` the drive begins at its frame's origin.
   GrowingDrive(const sensor::ScanPairingOptions& pairing, const slam::SlamOptions& slam,
@@ -49,6 +52,8 @@ class GrowingDrive {
   // A mapper that is not finished.
   std::string checkpoint_;
   slam::SlamMap stored_;
+  // The last scan, if it is no keyframe, and the odometry since: not in the mapper yet.
+  std::vector<sensor::Record> tail_;
 };
 
 }  // namespace enfilade::server

@@ -17,12 +17,12 @@ namespace enfilade::server {
 struct LiftRides {
   std::set<MapId> cabins;  // in which robots came to another level
   // In a cabin, entered from a level that its map is not of: what such a session sees through the door is of that
-  // level.
+  // level. Also those that follow it in the cabin.
   std::set<SessionId> from_elsewhere;
 };
 
 // By the sessions that are mapped and follow one on another level, and by the passages between them. Those that people
-// have set count as none.
+// have set count as none. `sessions`: oldest first.
 absl::StatusOr<LiftRides> FindLiftRides(const DriveReader& reader, const std::vector<storage::Session>& sessions,
                                         const std::map<MapId, storage::Map>& maps);
 

@@ -79,6 +79,48 @@ TEST(ArrangeCabins, ADoorToACabinStaysThoughNobodyWasSeenBehindIt) {
   EXPECT_TRUE(Arrange(survey).empty()) << Arrange(survey).reason;
 }
 
+// The corridor's session went on in the cabin until the detector was sure of the door.
+LevelSurvey WaitingInTheCabin() {
+  LevelSurvey survey = CorridorWithLift();
+  survey.maps.pop_back();
+  survey.link_points.resize(1);
+  Drive& drive = survey.drives[0];
+  drive.pop_back();
+  drive[0].cabin = CabinEntry{.cabin = MapId("cabin"), .door = LinkPointId("d1")};
+  for (const double ahead : {0.1, 0.4, 0.7}) {
+    const std::int64_t sequence = drive[0].visits.back().sequence + 5 * static_cast<std::int64_t>(1 + 10 * ahead);
+    drive[0].cabin->visits.push_back({sequence, 0, {1.5, 2.75 - ahead, -M_PI / 2}, {}});
+  }
+  return survey;
+}
+
+TEST(ArrangeCabins, WhatASessionRecordsInTheCabinIsCutOff) {
+  const LevelSurvey survey = WaitingInTheCabin();
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  ASSERT_THAT(change.cuts, SizeIs(1));
+  EXPECT_EQ(change.cuts[0].session, SessionId("s1"));
+  EXPECT_EQ(change.cuts[0].first_sequence, survey.drives[0][0].cabin->visits.front().sequence);
+  ASSERT_THAT(change.moves, SizeIs(1));
+  EXPECT_EQ(change.moves[0].session, change.cuts[0].rest);
+  EXPECT_EQ(change.moves[0].to, MapId("cabin"));
+  const Pose2 T_cabin_corridor = Inverse(Pose2{3.0, -2.0, 0.7});
+  EXPECT_NEAR(change.moves[0].T_to_from.x, T_cabin_corridor.x, 1e-6);
+  EXPECT_NEAR(change.moves[0].T_to_from.y, T_cabin_corridor.y, 1e-6);
+  EXPECT_NEAR(change.moves[0].T_to_from.yaw, T_cabin_corridor.yaw, 1e-6);
+  EXPECT_THAT(change.link_points, IsEmpty());
+  EXPECT_THAT(change.removed_link_points, IsEmpty());
+}
+
+TEST(ArrangeCabins, NothingIsCutOffAtTheCabinsDoorstepOrByASuspendedLinkPoint) {
+  LevelSurvey survey = WaitingInTheCabin();
+  survey.drives[0][0].cabin->visits.pop_back();
+  EXPECT_TRUE(Arrange(survey).empty()) << Arrange(survey).reason;
+  survey = WaitingInTheCabin();
+  survey.link_points[0].use = graph::LinkPointUse::kSuspended;
+  EXPECT_THAT(Arrange(survey).cuts, IsEmpty());
+}
+
 TEST(ArrangeCabins, ABusyMapOrTheRootIsNoCabin) {
   LevelSurvey survey = CorridorWithLift();
   survey.maps[1].busy = true;
