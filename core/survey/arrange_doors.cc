@@ -262,6 +262,23 @@ class DoorArranger {
     return map != nullptr ? *map : plan_.NowOf(anchor.map);
   }
 
+  // The map of the room on the anchor's side of a door that leads to another level: maps of this level may have
+  // exchanged their rooms.
+  MapId MapBeforeDoor(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
+    constexpr double kBeside = 0.6;  // m
+    const std::optional<Pose2> place = PlaceOfAnchor(anchor);
+    if (!place || link_point.direction.value().empty()) return plan_.NowOf(anchor.map);
+    const double ahead = link_point.direction == anchor.map ? kBeside : -kBeside;
+    const MapId* map = MapOfRoom(partition_.RoomAt(*place * Eigen::Vector2d(ahead, 0.0)));
+    return map != nullptr ? *map : plan_.NowOf(anchor.map);
+  }
+
+  MapId NowOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
+    if (link_point.is_candidate()) return MapOfSighting(anchor);
+    if (IsDoor(link_point) && !IsSurveyed(link_point)) return MapBeforeDoor(link_point, anchor);
+    return plan_.NowOf(anchor.map);
+  }
+
   // A link point that is at no door that robots went through.
   void Keep(const graph::LinkPoint& link_point) {
     const bool door = IsDoor(link_point);
@@ -276,8 +293,9 @@ class DoorArranger {
     }
     graph::LinkPoint moved = link_point;
     for (graph::Anchor& anchor : moved.anchors) {
-      const MapId now = link_point.is_candidate() ? MapOfSighting(anchor) : plan_.NowOf(anchor.map);
+      const MapId now = NowOf(link_point, anchor);
       if (now == anchor.map) continue;
+      if (link_point.direction == anchor.map) moved.direction = now;
       const PoseWithCovariance there =
           rearrange::Moved(Between(plan_.T_level_map.at(now), plan_.T_level_map.at(anchor.map)),
                            {anchor.T_map_place, anchor.covariance});
@@ -286,7 +304,6 @@ class DoorArranger {
     std::set<MapId> maps;
     for (const graph::Anchor& anchor : moved.anchors) maps.insert(anchor.map);
     if (maps.size() < moved.anchors.size()) return Remove(link_point);  // its maps are one room
-    if (!(moved == link_point)) moved.direction = plan_.NowOf(moved.direction);
     Arrange(moved, &link_point);
   }
 

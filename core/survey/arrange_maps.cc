@@ -36,6 +36,7 @@ class MapArranger {
     ChooseCabins(partition);
     BeginMaps();
     MoveSessions();
+    MoveRides(partition);
     RedirectEmptyMaps();
     RedirectAwaitedMaps(partition);
   }
@@ -239,16 +240,47 @@ class MapArranger {
     result_.moves.push_back({piece, target, Between(plan_.T_level_map.at(target), *place)});
   }
 
+  // Rides stay in their cabin if its map becomes another room's.
+  void MoveRides(const rooms::RoomPartition& partition) {
+    for (const SurveyedMap& map : survey_.maps) {
+      const auto place = plan_.T_level_map.find(map.id);
+      if (place == plan_.T_level_map.end()) continue;
+      for (const Ride& ride : map.rides) {
+        const auto now = plan_.map_of_room.find(RoomOf(ride, place->second, partition));
+        if (now == plan_.map_of_room.end() || now->second == map.id) continue;
+        MoveRide(ride, map.id, now->second);
+        moved_rides_.insert(ride.session);
+      }
+    }
+  }
+
+  // Where most of its keyframes are. 0: in no room.
+  static int RoomOf(const Ride& ride, const Pose2& T_level_map, const rooms::RoomPartition& partition) {
+    std::map<int, int> keyframes;
+    for (const Pose2& T_map_robot : ride.T_map_robot) {
+      ++keyframes[partition.RoomAt((T_level_map * T_map_robot).translation())];
+    }
+    const auto most = std::max_element(keyframes.begin(), keyframes.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most == keyframes.end() ? 0 : most->first;
+  }
+
+  void MoveRide(const Ride& ride, const MapId& from, const MapId& to) {
+    result_.moves.push_back({ride.session, to, Between(plan_.T_level_map.at(to), plan_.T_level_map.at(from))});
+  }
+
   void RedirectEmptyMaps() {
     for (const SurveyedMap& map : survey_.maps) {
       const auto targets = driven_into_.find(map.id);
       if (map.busy || targets == driven_into_.end() || targets->second.contains(map.id)) continue;
       const auto most = std::max_element(targets->second.begin(), targets->second.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
-      if (map.stays() && !survey_.cabins.contains(most->first)) continue;
-      for (const SessionId& ride : map.rides) {
-        result_.moves.push_back(
-            {ride, most->first, Between(plan_.T_level_map.at(most->first), plan_.T_level_map.at(map.id))});
+      const bool rides_stay = std::any_of(map.rides.begin(), map.rides.end(), [&](const Ride& ride) {
+        return !moved_rides_.contains(ride.session);
+      });
+      if (rides_stay && !survey_.cabins.contains(most->first)) continue;
+      for (const Ride& ride : map.rides) {
+        if (!moved_rides_.contains(ride.session)) MoveRide(ride, map.id, most->first);
       }
       plan_.successors[map.id] = most->first;
       result_.redirects.push_back(
@@ -281,6 +313,7 @@ class MapArranger {
   MapPlan plan_;
   std::map<std::pair<int, MapId>, double> driven_;        // m, in each room, by sessions of each map
   std::map<MapId, std::map<MapId, double>> driven_into_;  // where each map's sessions are now, and how much of them
+  std::set<SessionId> moved_rides_;
   rearrange::Rearrangement result_;
 };
 

@@ -48,6 +48,12 @@ struct SurveyedSession {
 // What one robot recorded without a break: each session but the first follows its predecessor through a door.
 using Drive = std::vector<SurveyedSession>;
 
+// A session in the cabin of a lift that is in no drive, because it was entered from another level.
+struct Ride {
+  SessionId session = {};
+  std::vector<Pose2> T_map_robot = {};  // of its keyframes
+};
+
 struct SurveyedMap {
   MapId id = {};
   Environment environment = Environment::kIndoor;
@@ -56,8 +62,7 @@ struct SurveyedMap {
   // Something still happens in it that the survey does not contain: a session is recording or not mapped yet. A busy
   // map stays.
   bool busy = false;
-  // Sessions in it that are in no drive, because it is the cabin of a lift and robots entered it from another level.
-  std::vector<SessionId> rides = {};
+  std::vector<Ride> rides = {};  // if it is the cabin of a lift
 
   // A map with rides goes only where they can go with it: into the map of the same cabin.
   bool stays() const { return busy || !rides.empty(); }

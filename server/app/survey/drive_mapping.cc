@@ -93,7 +93,7 @@ class LevelMapper {
       }
       left = std::move(without_place);  // what was mapped since may show where they are
     }
-    AddMaps(sessions, maps);
+    ENFILADE_RETURN_IF_ERROR(AddMaps(sessions, maps));
     return std::move(level_);
   }
 
@@ -307,7 +307,7 @@ class LevelMapper {
     return (*pose)->T_world_robot.pose;
   }
 
-  void AddMaps(const std::vector<storage::Session>& sessions, const std::map<MapId, storage::Map>& maps) {
+  absl::Status AddMaps(const std::vector<storage::Session>& sessions, const std::map<MapId, storage::Map>& maps) {
     std::set<MapId> surveyed;
     std::set<SessionId> seen;
     for (const survey::Drive& drive : level_.survey.drives) {
@@ -317,11 +317,12 @@ class LevelMapper {
       }
     }
     std::set<MapId> busy;
-    std::map<MapId, std::vector<SessionId>> rides;
+    std::map<MapId, std::vector<survey::Ride>> rides;
     for (const storage::Session& session : sessions) {
       if (!session.map || seen.contains(session.id)) continue;
       if (site_.rides.from_elsewhere.contains(session.id)) {
-        rides[*session.map].push_back(session.id);
+        ENFILADE_ASSIGN_OR_RETURN(survey::Ride ride, reader_.ReadRide(session.id));
+        rides[*session.map].push_back(std::move(ride));
       } else {
         busy.insert(*session.map);
       }
@@ -343,6 +344,7 @@ class LevelMapper {
                                     [&](const graph::Anchor& anchor) { return surveyed.contains(anchor.map); });
       if (here) level_.survey.link_points.push_back(*link_point);
     }
+    return absl::OkStatus();
   }
 
   const DriveReader& reader_;

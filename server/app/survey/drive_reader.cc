@@ -46,6 +46,14 @@ absl::StatusOr<survey::Drive> DriveReader::Read(const StoredDrive& stored) const
   return drive;
 }
 
+absl::StatusOr<survey::Ride> DriveReader::ReadRide(const SessionId& session) const {
+  survey::Ride ride{.session = session};
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
+                            stores_.mappings.ListKeyframes(SurveyContext(), site_, session));
+  for (const slam::SlamNode& node : nodes) ride.T_map_robot.push_back(node.T_map_node);
+  return ride;
+}
+
 absl::StatusOr<std::optional<sensor::DoorReport>> DriveReader::FindPassage(const SessionId& session) const {
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::DoorReport> reports, ReadReports(session));
   const sensor::DoorReport* passage = LastPassage(reports);

@@ -43,6 +43,8 @@ class DriveReader {
   // Visits have no pose on the level yet. Empty if a person divided the drive by commands.
   absl::StatusOr<survey::Drive> Read(const StoredDrive& stored) const;
 
+  absl::StatusOr<survey::Ride> ReadRide(const SessionId& session) const;
+
   // The door at the session's end, as the robot reported it. Unset if there is none.
   absl::StatusOr<std::optional<sensor::DoorReport>> FindPassage(const SessionId& session) const;
 

@@ -49,7 +49,7 @@ TEST(ArrangeCabins, ACabinOfALiftIsOneMapOnAllLevels) {
 
 TEST(ArrangeCabins, RidesGoWithTheirCabinAndNowhereElse) {
   LevelSurvey survey = CorridorWithLift();
-  survey.maps[1].rides = {SessionId("r")};
+  survey.maps[1].rides = {{SessionId("r"), {}}};
   const rearrange::Rearrangement change = Arrange(survey);
   EXPECT_TRUE(rearrange::Validate(change).ok());
   ASSERT_THAT(change.moves, SizeIs(2));
@@ -60,7 +60,7 @@ TEST(ArrangeCabins, RidesGoWithTheirCabinAndNowhereElse) {
   EXPECT_EQ(change.redirects[0].from, MapId("b"));
 
   LevelSurvey doubled = DoubledCorridor();
-  doubled.maps[2].rides = {SessionId("r")};  // nobody knows where it is on this level
+  doubled.maps[2].rides = {{SessionId("r"), {}}};  // nobody knows where it is on this level
   EXPECT_THAT(Arrange(doubled).redirects, IsEmpty());
 }
 
@@ -77,6 +77,46 @@ TEST(ArrangeCabins, ADoorToACabinStaysThoughNobodyWasSeenBehindIt) {
   survey.maps.pop_back();
   survey.link_points.resize(1);
   EXPECT_TRUE(Arrange(survey).empty()) << Arrange(survey).reason;
+}
+
+// The cabin's door of the other level was found when map b was the cabin; now it is the corridor, and a the cabin.
+TEST(ArrangeCabins, ADoorToAnotherLevelStaysTheCabinsIfMapsExchangeTheirRooms) {
+  const Pose2 out{1.5, 2.75, M_PI / 2};
+  LevelSurvey survey;
+  survey.drives = {MakeDrive(
+      {{"s1", "b", kPlaceB, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "a", {}, {{1.5, 2.0}, {3.0, 1.0}}}})};
+  survey.maps = {{.id = MapId("a")}, {.id = MapId("b")}};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, out), AnchorAt("b", kPlaceB, out)),
+                        Join("d2", AnchorAt("b", kPlaceB, out), AnchorAt("upstairs", {}, {}))};
+  const LevelSurvey after = After(survey, Arrange(survey));
+  EXPECT_EQ(JoinedMaps(after), (std::multiset<std::set<std::string>>{{"a", "b"}, {"a", "upstairs"}}));
+
+  // Entered from upstairs: the cabin is ahead.
+  survey.link_points[1] =
+      Join("d2", AnchorAt("upstairs", {}, {}), AnchorAt("b", kPlaceB, {1.5, 2.75, -M_PI / 2}));
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_EQ(JoinedMaps(After(survey, change)), JoinedMaps(after));
+  const auto moved = std::find_if(change.link_points.begin(), change.link_points.end(),
+                                  [](const graph::LinkPoint& one) { return one.id == LinkPointId("d2"); });
+  ASSERT_NE(moved, change.link_points.end());
+  EXPECT_EQ(moved->direction, MapId("a"));
+}
+
+TEST(ArrangeCabins, RidesStayInTheirCabinIfMapsExchangeTheirRooms) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive(
+      {{"s1", "b", kPlaceB, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "a", {}, {{1.5, 2.0}, {3.0, 1.0}}}})};
+  std::vector<Pose2> seen;
+  for (const double y : {3.2, 2.0, 1.0}) seen.push_back(Between(kPlaceB, {2.0, y, 0.0}));  // in room 2, but for one
+  survey.maps = {{.id = MapId("a")}, {.id = MapId("b"), .rides = {{SessionId("r"), seen}}}};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  ASSERT_THAT(change.moves, SizeIs(1));
+  EXPECT_EQ(change.moves[0].session, SessionId("r"));
+  EXPECT_EQ(change.moves[0].to, MapId("a"));
+  EXPECT_NEAR(change.moves[0].T_to_from.x, kPlaceB.x, 1e-6);
+  EXPECT_NEAR(change.moves[0].T_to_from.y, kPlaceB.y, 1e-6);
+  EXPECT_NEAR(change.moves[0].T_to_from.yaw, kPlaceB.yaw, 1e-6);
 }
 
 // The corridor's session went on in the cabin until the detector was sure of the door.
