@@ -90,6 +90,7 @@ TEST(Lift, RiddenAgainAndAgainItIsOneMapWithADoorOnEachLevel) {
   EXPECT_EQ(comparison.joins_false, 0);
   EXPECT_EQ(comparison.components, 1);
   EXPECT_EQ(comparison.false_placements, 0);
+  EXPECT_TRUE(comparison.exact) << ::testing::PrintToString(comparison.wrong);
 }
 
 }  // namespace
