@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
@@ -28,6 +29,11 @@ Box BoxOf(const OccupancyGrid& grid) {
   const CellIndex min{static_cast<int>(std::lround(g.T_map_grid.x / g.resolution)),
                       static_cast<int>(std::lround(g.T_map_grid.y / g.resolution))};
   return {min, {min.column + g.width - 1, min.row + g.height - 1}};
+}
+
+Box Union(const Box& a, const Box& b) {
+  return {{std::min(a.min.column, b.min.column), std::min(a.min.row, b.min.row)},
+          {std::max(a.max.column, b.max.column), std::max(a.max.row, b.max.row)}};
 }
 
 absl::Status CheckSize(const Box& box) {
@@ -143,10 +149,11 @@ void OverlayOnto(OccupancyGrid& grid, const OccupancyGrid& layer) {
   const CellIndex offset = BoxOf(layer).min;
   const CellIndex origin = BoxOf(grid).min;
   for (int row = 0; row < layer.geometry.height; ++row) {
-    for (int column = 0; column < layer.geometry.width; ++column) {
-      std::uint8_t& cell =
-          grid.cells[grid.geometry.index(offset.column - origin.column + column, offset.row - origin.row + row)];
-      cell = Overlay(cell, layer.cells[layer.geometry.index(column, row)]);
+    const std::uint8_t* over = &layer.cells[layer.geometry.index(0, row)];
+    std::uint8_t* cell =
+        &grid.cells[grid.geometry.index(offset.column - origin.column, offset.row - origin.row + row)];
+    for (const std::uint8_t* end = over + layer.geometry.width; over != end; ++over, ++cell) {
+      if (*over != kUnknownCell) *cell = Overlay(*cell, *over);
     }
   }
 }
@@ -182,16 +189,28 @@ std::uint8_t Overlay(std::uint8_t under, std::uint8_t over) {
 }
 
 absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const OccupancyGrid& over) {
-  if (under.cells.empty()) return over;
-  if (over.cells.empty()) return under;
-  const Box a = BoxOf(under);
-  const Box b = BoxOf(over);
-  const Box both{{std::min(a.min.column, b.min.column), std::min(a.min.row, b.min.row)},
-                 {std::max(a.max.column, b.max.column), std::max(a.max.row, b.max.row)}};
-  ENFILADE_RETURN_IF_ERROR(CheckSize(both));
-  OccupancyGrid grid = Unknown(both, over.geometry.resolution);
-  OverlayOnto(grid, under);
-  OverlayOnto(grid, over);
+  const OccupancyGrid* const layers[] = {&under, &over};
+  return OverlayAll(layers);
+}
+
+absl::StatusOr<OccupancyGrid> OverlayAll(std::span<const OccupancyGrid* const> layers) {
+  std::optional<Box> box;
+  double resolution = 0.0;
+  for (const OccupancyGrid* layer : layers) {
+    if (layer->cells.empty()) {
+      if (!box) resolution = layer->geometry.resolution;
+      continue;
+    }
+    resolution = layer->geometry.resolution;
+    const Box own = BoxOf(*layer);
+    box = box ? Union(*box, own) : own;
+    ENFILADE_RETURN_IF_ERROR(CheckSize(*box));
+  }
+  OccupancyGrid grid;
+  grid.geometry.resolution = resolution;
+  if (!box) return grid;
+  grid = Unknown(*box, resolution);
+  for (const OccupancyGrid* layer : layers) OverlayOnto(grid, *layer);
   return grid;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include "absl/status/statusor.h"
 #include "core/grid/occupancy_grid.h"
 
@@ -19,6 +21,9 @@ std::uint8_t Overlay(std::uint8_t under, std::uint8_t over);
 // Overlays `over` on `under` cell by cell. Both must be on the same lattice (ResampleToLattice); an empty grid may have
 // any resolution. INVALID_ARGUMENT: the grids are so far apart that the result would have more than kMaxRasterCells.
 absl::StatusOr<OccupancyGrid> Overlay(const OccupancyGrid& under, const OccupancyGrid& over);
+
+// The same for any number of layers, from the lowest up: in one pass, whatever their number.
+absl::StatusOr<OccupancyGrid> OverlayAll(std::span<const OccupancyGrid* const> layers);
 
 // Any number of layers as two: overlaying `reset`, then `content` on any grid gives exactly what overlaying the layers
 // one by one gives. A cell about which the layers disagree hides what is below it: there `reset` has the least certain

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/mapping/layer_overlay.h"
 
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/areas/ignore_hits.h"
 #include "core/base/error.h"
@@ -13,8 +15,8 @@
 namespace enfilade::server {
 namespace {
 
-absl::StatusOr<grid::OccupancyGrid> OverlayOrTooFar(const grid::OccupancyGrid& under, const grid::OccupancyGrid& over) {
-  absl::StatusOr<grid::OccupancyGrid> grid = grid::Overlay(under, over);
+absl::StatusOr<grid::OccupancyGrid> OverlayOrTooFar(std::span<const grid::OccupancyGrid* const> layers) {
+  absl::StatusOr<grid::OccupancyGrid> grid = grid::OverlayAll(layers);
   if (grid.ok()) return grid;
   return FailedPrecondition("the map's layers are too far apart for one raster: {}",
                             std::string(grid.status().message()));
@@ -44,16 +46,15 @@ absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallCon
                                                           const grid::OccupancyGrid& own) {
   const double resolution = own.geometry.resolution;
   std::map<std::string, grid::OccupancyGrid> used;
-  grid::OccupancyGrid grid;
+  std::vector<const grid::OccupancyGrid*> layers;
   for (const storage::MapLayer& layer : beside.below) {
-    ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
-    ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, *other));
+    ENFILADE_ASSIGN_OR_RETURN(layers.emplace_back(), Read(context, layer, resolution, used));
   }
-  ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, own));
+  layers.push_back(&own);
   for (const storage::MapLayer& layer : beside.above) {
-    ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid* const other, Read(context, layer, resolution, used));
-    ENFILADE_ASSIGN_OR_RETURN(grid, OverlayOrTooFar(grid, *other));
+    ENFILADE_ASSIGN_OR_RETURN(layers.emplace_back(), Read(context, layer, resolution, used));
   }
+  ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, OverlayOrTooFar(layers));
   grids_ = std::move(used);
   areas::IgnoreHits(beside.ignored, grid);
   return grid;

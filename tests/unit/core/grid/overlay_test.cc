@@ -57,6 +57,19 @@ TEST(Overlay, CoversBothGridsAndKeepsTheirPositions) {
   EXPECT_EQ(*Overlay(Grid({"#", "#"}, -2, 0), Grid({"ff"}, 0, 3)), Grid({"..ff", "....", "#...", "#..."}, -2, 0));
 }
 
+TEST(Overlay, ManyLayersAreWhatTheyAreOneByOne) {
+  const std::vector<OccupancyGrid> grids = {Grid({"-f+#", "####"}), OccupancyGrid{}, Grid({"f-#+"}, -2, 1),
+                                            Grid({".-", "+."}, 3, -1), Grid({"f"}, 6, 6)};
+  OccupancyGrid expected;
+  std::vector<const OccupancyGrid*> layers;
+  for (const OccupancyGrid& grid : grids) {
+    expected = Overlay(expected, grid).value();
+    layers.push_back(&grid);
+    EXPECT_EQ(*grid::OverlayAll(layers), expected) << layers.size();
+  }
+  EXPECT_TRUE(grid::OverlayAll({})->cells.empty());
+}
+
 TEST(Overlay, AnEmptyLayerChangesNothing) {
   const OccupancyGrid grid = Grid({"#-"});
   EXPECT_EQ(*Overlay(OccupancyGrid{}, grid), grid);
