@@ -30,6 +30,7 @@ absl::StatusOr<PicturedPlan> RecognisePlan(std::string_view bytes, const std::op
     if (page) sheet = Rectify(sheet, *page);
     const double diagonal = std::hypot(sheet.brightness.cols, sheet.brightness.rows);
     Ink ink = FindInk(sheet);
+    EraseDashedLines(ink);
     FillDoubleLines(ink);
     SelectedStrokes selected = SelectWalls(TraceStrokes(ink), diagonal);
     if (selected.thinnest_wall > 0 && selected.thin_pen > 0) {
