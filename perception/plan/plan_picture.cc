@@ -9,9 +9,9 @@
 #include "perception/plan/opencv_ink.h"
 #include "perception/plan/opencv_sheet.h"
 #include "perception/plan/opencv_tracing.h"
-#include "perception/plan/wall_doors.h"
-#include "perception/plan/wall_lines.h"
-#include "perception/plan/wall_selection.h"
+#include "perception/plan/walls/wall_doors.h"
+#include "perception/plan/walls/wall_lines.h"
+#include "perception/plan/walls/wall_selection.h"
 
 namespace enfilade::perception {
 

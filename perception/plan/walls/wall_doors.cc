@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_doors.h"
+#include "perception/plan/walls/wall_doors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
 #include <utility>
 
-#include "perception/plan/wall_openings.h"
+#include "perception/plan/walls/wall_openings.h"
 
 namespace enfilade::perception {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_selection.h"
+#include "perception/plan/walls/wall_selection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "perception/plan/convex_hull.h"
-#include "perception/plan/door_swings.h"
+#include "perception/plan/walls/convex_hull.h"
+#include "perception/plan/walls/door_swings.h"
 
 namespace enfilade::perception {
 namespace {

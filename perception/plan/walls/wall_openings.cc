@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_openings.h"
+#include "perception/plan/walls/wall_openings.h"
 
 #include <algorithm>
 #include <cmath>

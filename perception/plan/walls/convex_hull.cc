@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/convex_hull.h"
+#include "perception/plan/walls/convex_hull.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_doors.h"
+#include "perception/plan/walls/wall_doors.h"
 
 #include <gtest/gtest.h>
 
