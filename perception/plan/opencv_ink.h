@@ -22,6 +22,11 @@ Ink FindInk(const Sheet& sheet);
 // drawing; if less than half of all lines run beside such a gap, nothing is filled.
 void FillDoubleLines(Ink& ink);
 
+// Takes dashed and dash-dotted lines away, which bound plots and show what is overhead: five and more bars and dots in
+// a row, with gaps that are alike. If most of what is as wide as the widest of them is dashed, the rest of that goes,
+// too.
+void EraseDashedLines(Ink& ink);
+
 // The parts of a mask that a disk of this radius (px) fits into: its morphological opening.
 cv::Mat WidePartsOf(const cv::Mat& mask, double radius);
 

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "perception/plan/opencv_ink.h"
-#include "perception/plan/stroke_graph.h"
+#include "perception/plan/walls/stroke_graph.h"
 
 namespace enfilade::perception {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "perception/plan/opencv_sheet.h"
-#include "perception/plan/stroke_graph.h"
+#include "perception/plan/walls/stroke_graph.h"
 
 namespace enfilade::perception {
 namespace {

@@ -9,9 +9,9 @@
 #include "perception/plan/opencv_ink.h"
 #include "perception/plan/opencv_sheet.h"
 #include "perception/plan/opencv_tracing.h"
-#include "perception/plan/wall_doors.h"
-#include "perception/plan/wall_lines.h"
-#include "perception/plan/wall_selection.h"
+#include "perception/plan/walls/wall_doors.h"
+#include "perception/plan/walls/wall_lines.h"
+#include "perception/plan/walls/wall_selection.h"
 
 namespace enfilade::perception {
 
@@ -30,6 +30,7 @@ absl::StatusOr<PicturedPlan> RecognisePlan(std::string_view bytes, const std::op
     if (page) sheet = Rectify(sheet, *page);
     const double diagonal = std::hypot(sheet.brightness.cols, sheet.brightness.rows);
     Ink ink = FindInk(sheet);
+    EraseDashedLines(ink);
     FillDoubleLines(ink);
     SelectedStrokes selected = SelectWalls(TraceStrokes(ink), diagonal);
     if (selected.thinnest_wall > 0 && selected.thin_pen > 0) {

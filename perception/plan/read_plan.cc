@@ -16,7 +16,7 @@
 #include "io/file.h"
 #include "perception/plan/pdf_page.h"
 #include "perception/plan/plan_picture.h"
-#include "perception/plan/wall_doors.h"
+#include "perception/plan/walls/wall_doors.h"
 
 namespace enfilade::perception {
 namespace {

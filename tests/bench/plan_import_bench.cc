@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How well walls, corners and doors of floor plans are read.
-//   bench_plan_import                     # drawn plans: both styles at ten angles, empty and furnished
+//   bench_plan_import                     # drawn plans: both styles at ten angles, empty, furnished, with dimensions
 //   bench_plan_import --buildings DIR     # the levels of Open-RMF's building.yaml files there, against their pictures
 //   bench_plan_import --pictures FILE...  # any pictures: the share of their lines that became walls, double walls
 //   bench_plan_import --photos            # drawn plans as a camera sees them on a table, beside the plans themselves
@@ -69,14 +69,17 @@ class PlanImportBench {
  private:
   absl::Status ScoreDrawnPlans() {
     for (const testing::WallStyle style : {testing::WallStyle::kFilled, testing::WallStyle::kDoubleLine}) {
-      for (const bool furniture : {false, true}) {
+      for (const std::string contents : {"", "_furnished", "_dimensions"}) {
         for (int turn = 0; turn <= 45; turn += 5) {
-          testing::DrawnPlanOptions drawing{
-              .style = style, .turn_deg = static_cast<double>(turn), .furniture = furniture};
+          testing::DrawnPlanOptions drawing{.style = style,
+                                            .turn_deg = static_cast<double>(turn),
+                                            .furniture = contents == "_furnished",
+                                            .dimensions = contents == "_dimensions",
+                                            .plot = contents == "_dimensions"};
           if (style == testing::WallStyle::kFilled) drawing.line_px = 1.2;
           const testing::DrawnPlan drawn = testing::DrawPlan(drawing);
-          const std::string name = fmt::format("{}{}_{}", style == testing::WallStyle::kFilled ? "filled" : "double",
-                                               furniture ? "_furnished" : "", turn);
+          const std::string name =
+              fmt::format("{}{}_{}", style == testing::WallStyle::kFilled ? "filled" : "double", contents, turn);
           ENFILADE_ASSIGN_OR_RETURN(const auto file, Score(name, drawn.png, drawn.truth));
           if (file) ENFILADE_RETURN_IF_ERROR(Plot(name, cli::DrawPlan(file->graph, file->picture)));
         }

@@ -81,6 +81,50 @@ std::vector<Piece> FurniturePieces() {
   return lines;
 }
 
+// A dimension line beside a wall from `a` to `b`, `away` from it: extension lines that touch the walls' centre lines,
+// both crossing a little, a slanting tick at each crossing, and digits over the middle.
+void AddDimension(const Vector2d& a, const Vector2d& b, const Vector2d& away, std::vector<Piece>& lines) {
+  const Vector2d along = (b - a).normalized(), out = away.normalized();
+  lines.push_back({a + away - 0.2 * along, b + away + 0.2 * along});
+  for (const Vector2d& end : {a, b}) {
+    lines.push_back({end, end + away + 0.2 * out});
+    lines.push_back({end + away - 0.15 * (along + out), end + away + 0.15 * (along + out)});
+  }
+  for (int i = 0; i < 4; ++i) {
+    const Vector2d at = (a + b) / 2 + away + 0.3 * i * along;
+    lines.push_back({at, at + 0.3 * out});
+    lines.push_back({at + 0.3 * out, at + 0.3 * out + 0.15 * along});
+  }
+}
+
+std::vector<Piece> DimensionPieces() {
+  std::vector<Piece> lines;
+  AddDimension({0, kDeep}, {kWide, kDeep}, {0, 1.2}, lines);
+  AddDimension({0, 0}, {0, kDeep}, {-1.2, 0}, lines);
+  return lines;
+}
+
+// Dashes of 1.6 m and dots of 0.3 m. Where the line goes around a corner, it has no gaps.
+std::vector<Piece> PlotPieces() {
+  constexpr double kAway = 0.7, kDash = 1.6, kDot = 0.3, kGap = 0.35;
+  const Vector2d corners[] = {
+      {-kAway, -kAway}, {kWide + kAway, -kAway}, {kWide + kAway, kDeep + kAway}, {-kAway, kDeep + kAway}};
+  std::vector<Piece> bars;
+  for (int i = 0; i < 4; ++i) {
+    const Vector2d from = corners[i], along = (corners[(i + 1) % 4] - from).normalized();
+    const double length = (corners[(i + 1) % 4] - from).norm();
+    double at = kDash / 2;
+    bars.push_back({from, from + at * along});
+    for (bool dot = true; at + kGap + kDash < length; dot = !dot) {
+      const double piece = dot ? kDot : kDash;
+      bars.push_back({from + (at + kGap) * along, from + (at + kGap + piece) * along});
+      at += kGap + piece;
+    }
+    bars.push_back({from + std::max(at + kGap, length - kDash / 2) * along, from + length * along});
+  }
+  return bars;
+}
+
 double DistanceTo(const Vector2d& p, const Piece& piece) {
   const Vector2d along = piece.b - piece.a;
   const double share = std::clamp((p - piece.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
@@ -97,16 +141,22 @@ class Drawing {
       low = low.cwiseMin(turn_ * corner * options.px_per_m);
       high = high.cwiseMax(turn_ * corner * options.px_per_m);
     }
-    constexpr double kMargin = 30;  // px
-    shift_ = Vector2d::Constant(kMargin) - low;
-    plan_.width = static_cast<int>(std::ceil((high - low).x() + 2 * kMargin));
-    plan_.height = static_cast<int>(std::ceil((high - low).y() + 2 * kMargin));
+    const double margin = options.dimensions || options.plot ? 2 * options.px_per_m : 30;  // px
+    shift_ = Vector2d::Constant(margin) - low;
+    plan_.width = static_cast<int>(std::ceil((high - low).x() + 2 * margin));
+    plan_.height = static_cast<int>(std::ceil((high - low).y() + 2 * margin));
   }
 
   DrawnPlan Run() {
     for (const Piece& piece : WallPieces()) walls_.push_back({ToSheet(piece.a), ToSheet(piece.b)});
     if (options_.furniture) {
       for (const Piece& piece : FurniturePieces()) lines_.push_back({ToSheet(piece.a), ToSheet(piece.b)});
+    }
+    if (options_.dimensions) {
+      for (const Piece& piece : DimensionPieces()) lines_.push_back({ToSheet(piece.a), ToSheet(piece.b)});
+    }
+    if (options_.plot) {
+      for (const Piece& piece : PlotPieces()) bars_.push_back({ToSheet(piece.a), ToSheet(piece.b)});
     }
     grid::PixelImage image{.width = plan_.width, .height = plan_.height, .channels = 1, .samples = {}};
     for (int y = 0; y < plan_.height; ++y) {
@@ -131,6 +181,7 @@ class Drawing {
     double ink = options_.style == WallStyle::kFilled ? Coverage(-signed_distance)
                                                       : Coverage(options_.line_px / 2 - std::abs(signed_distance));
     for (const Piece& line : lines_) ink = std::max(ink, Coverage(options_.line_px / 2 - DistanceTo(p, line)));
+    for (const Piece& bar : bars_) ink = std::max(ink, Coverage(-simulator::DistanceToInk(p, bar.a, bar.b, kBar)));
     const double paper = 1 + (options_.shade_at_edge - 1) * p.x() / plan_.width;
     const double brightness = options_.bright_lines ? 0.15 + 0.8 * ink : paper * (0.95 - 0.85 * ink);
     return static_cast<std::uint8_t>(std::lround(255 * brightness));
@@ -152,7 +203,8 @@ class Drawing {
   DrawnPlan plan_;
   Eigen::Matrix2d turn_;
   Vector2d shift_;
-  std::vector<Piece> walls_, lines_;
+  static constexpr double kBar = 12;  // px
+  std::vector<Piece> walls_, lines_, bars_;
 };
 
 }  // namespace

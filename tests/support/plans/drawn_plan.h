@@ -19,6 +19,8 @@ struct DrawnPlanOptions {
   double wall_m = 0.24;      // thickness
   double line_px = 2;        // of the pen that draws double lines, doors' leaves and furniture
   bool furniture = false;    // tables, doors' leaves with their arcs, letters
+  bool dimensions = false;   // of two sides, with extension lines, ticks and digits
+  bool plot = false;         // its boundary: a wide dash-dotted line around everything
   double shade_at_edge = 1;  // brightness of the paper at the right edge, 1 at the left
   bool bright_lines = false;
 };

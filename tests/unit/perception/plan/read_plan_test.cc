@@ -45,6 +45,13 @@ std::vector<PlanCase> PlanCases() {
     cases.push_back({fmt::format("DoubleFurnished{:.0f}", turn),
                      {.style = WallStyle::kDoubleLine, .turn_deg = turn, .furniture = true}});
   }
+  for (const double turn : {0.0, 20.0}) {
+    cases.push_back(
+        {fmt::format("FilledDimensions{:.0f}", turn), {.turn_deg = turn, .line_px = 1.5, .dimensions = true}});
+    cases.push_back({fmt::format("FilledPlot{:.0f}", turn), {.turn_deg = turn, .plot = true}});
+    cases.push_back({fmt::format("DoublePlotDimensions{:.0f}", turn),
+                     {.style = WallStyle::kDoubleLine, .turn_deg = turn, .dimensions = true, .plot = true}});
+  }
   cases.push_back({"Shaded", {.turn_deg = 5, .shade_at_edge = 0.45}});
   cases.push_back({"BrightLines", {.turn_deg = 5, .bright_lines = true}});
   return cases;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_selection.h"
+#include "perception/plan/walls/wall_selection.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
-#include "perception/plan/door_swings.h"
+#include "perception/plan/walls/convex_hull.h"
+#include "perception/plan/walls/door_swings.h"
 
 namespace enfilade::perception {
 namespace {
@@ -45,6 +47,7 @@ class Selection {
   std::vector<bool> Select() {
     DropSmallParts(kSymbolShare, kSymbolShare);
     for (const auto& [thinnest, widest] : PensOf(kept_)) {
+      if (!pens_.empty()) DropAnnotations();
       if (widest > 0 && !pens_.empty() && !IsStructural(thinnest, widest)) {
         thin_pen_ = std::max(thin_pen_, widest);
         ForEachKept([&](std::size_t i) {
@@ -75,6 +78,11 @@ class Selection {
   static constexpr double kWideShare = 0.6;        // of the usual width
   static constexpr double kLongShare = 0.03;       // a line that is long; it has at least
   static constexpr double kLongRun = 0.3;          // of the length of a usual wall, too
+  static constexpr double kLeastHull = 0.5;        // of the hull of all strokes
+  static constexpr double kHullMargin = 0.01;      // of the diagonal
+  static constexpr double kMuchThinner = 0.4;      // than walls usually are
+  static constexpr double kTickShare = 0.012;      // of the diagonal: ticks, arrows and parts of digits are shorter
+  static constexpr int kFewestTicks = 2;
   static constexpr double kStructuralShare = 0.5;  // of a pen's length, in long lines that begin and end at others
 
   // Walls are drawn with the widest pen, or some with a thinner one, with which other things are drawn, too.
@@ -84,6 +92,54 @@ class Selection {
     for (std::size_t i = 0; i < thin.size(); ++i) thin[i] = thin[i] && Width(i) > 0 && Width(i) < pens_.front().first;
     const std::vector<bool> swings = FindSwings(drawing_, thin, diagonal_);
     for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = kept_[i] && !swings[i];
+  }
+
+  // Dimension lines and other annotations are drawn with much thinner lines around the walls. They hang together with
+  // ticks, arrows and digits, which have short free ends; glass, and walls that are drawn thinner, do not. Nothing is
+  // dropped if the walls found so far are a small part of the drawing.
+  void DropAnnotations() {
+    const auto is_wall = [&](std::size_t i) { return kept_[i] && IsOfPens(i); };
+    const ConvexHull walls = HullOf(is_wall);
+    if (walls.Area() < kLeastHull * HullOf([&](std::size_t i) { return kept_[i]; }).Area()) return;
+    const double thin = kMuchThinner * UsualWidth(is_wall), tick = kTickShare * diagonal_;
+    std::vector<bool> outside(kept_.size());
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      const Stroke& stroke = drawing_.strokes[i];
+      const Vector2d middle = (drawing_.joints[stroke.from] + drawing_.joints[stroke.to]) / 2;
+      const bool is_thin = Width(i) > 0 && (Width(i) <= thin || Length(i) <= tick);  // ticks are blots
+      outside[i] = kept_[i] && is_thin && !is_wall(i) && !walls.Contains(middle, kHullMargin * diagonal_);
+    }
+    DropWithTicks(outside, tick);
+  }
+
+  void DropWithTicks(const std::vector<bool>& suspects, double tick) {
+    Groups groups(drawing_.joints.size());
+    std::vector<int> degree(drawing_.joints.size(), 0);
+    ForEachKept([&](std::size_t i) {
+      const Stroke& stroke = drawing_.strokes[i];
+      ++degree[stroke.from], ++degree[stroke.to];
+      if (suspects[i]) groups.Join(stroke.from, stroke.to);
+    });
+    std::vector<int> ticks(drawing_.joints.size(), 0);
+    ForEachKept([&](std::size_t i) {
+      const Stroke& stroke = drawing_.strokes[i];
+      const bool ends = std::min(degree[stroke.from], degree[stroke.to]) == 1;
+      if (suspects[i] && ends && Length(i) <= tick) ++ticks[groups.RootOf(stroke.from)];
+    });
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      if (suspects[i] && ticks[groups.RootOf(drawing_.strokes[i].from)] >= kFewestTicks) kept_[i] = false;
+    }
+  }
+
+  template <typename Among>
+  ConvexHull HullOf(const Among& among) const {
+    std::vector<Vector2d> points;
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      if (!among(i)) continue;
+      points.push_back(drawing_.joints[drawing_.strokes[i].from]);
+      points.push_back(drawing_.joints[drawing_.strokes[i].to]);
+    }
+    return ConvexHull(std::move(points));
   }
 
   double Width(std::size_t i) const { return drawing_.strokes[i].width; }
@@ -114,7 +170,7 @@ class Selection {
       part.length += Length(i);
       part.area += Length(i) * Width(i);
     });
-    const double wide = kWideShare * UsualWidth();
+    const double wide = kWideShare * UsualWidth([&](std::size_t i) { return kept_[i]; });
     for (std::size_t i = 0; i < kept_.size(); ++i) {
       const Part& part = parts[groups.RootOf(drawing_.strokes[i].from)];
       const double least = part.area >= wide * part.length ? wide_share : share;
@@ -122,14 +178,16 @@ class Selection {
     }
   }
 
-  // The median along all kept strokes.
-  double UsualWidth() {
+  // The median along some strokes.
+  template <typename Among>
+  double UsualWidth(const Among& among) const {
     std::vector<std::pair<double, double>> widths;  // width, length
     double total = 0;
-    ForEachKept([&](std::size_t i) {
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      if (!among(i)) continue;
       widths.emplace_back(Width(i), Length(i));
       total += Length(i);
-    });
+    }
     std::sort(widths.begin(), widths.end());
     double below = 0;
     for (const auto& [width, length] : widths) {
@@ -251,7 +309,7 @@ class Selection {
       all += Length(i);
       if (runs.length[runs.of[i]] >= is_long && runs.open_ends[runs.of[i]] < 2) structural += Length(i);
     }
-    return structural >= kStructuralShare * all;
+    return all > 0 && structural >= kStructuralShare * all;
   }
 
   // Whether one stroke goes on straight as the other.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/prior/plan/plan_graph.h"
-#include "perception/plan/stroke_graph.h"
+#include "perception/plan/walls/stroke_graph.h"
 
 namespace enfilade::perception {
 

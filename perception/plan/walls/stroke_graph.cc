@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/stroke_graph.h"
+#include "perception/plan/walls/stroke_graph.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

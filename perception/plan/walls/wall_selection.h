@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "perception/plan/stroke_graph.h"
+#include "perception/plan/walls/stroke_graph.h"
 
 namespace enfilade::perception {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "perception/plan/stroke_graph.h"
+#include "perception/plan/walls/stroke_graph.h"
 
 namespace enfilade::perception {
 

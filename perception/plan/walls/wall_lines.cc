@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_lines.h"
+#include "perception/plan/walls/wall_lines.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -10,7 +10,7 @@
 
 #include "core/prior/plan/directions.h"
 #include "core/prior/plan/planar.h"
-#include "perception/plan/wall_directions.h"
+#include "perception/plan/walls/wall_directions.h"
 
 namespace enfilade::perception {
 namespace {

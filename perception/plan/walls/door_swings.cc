@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/door_swings.h"
+#include "perception/plan/walls/door_swings.h"
 
 #include <algorithm>
 #include <cmath>

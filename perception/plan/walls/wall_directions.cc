@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/wall_directions.h"
+#include "perception/plan/walls/wall_directions.h"
 
 #include <algorithm>
 #include <cmath>
