@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enfilade::graph {
 namespace {
@@ -151,6 +152,27 @@ void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eig
                                .information = information,
                                .robust = true,
                                .enabled = true});
+}
+
+std::vector<char> JoinedNodes(const JointGraph& joint) {
+  const std::vector<optimize::PoseGraphNode>& nodes = joint.graph.nodes;
+  std::vector<std::vector<std::size_t>> neighbours(nodes.size());
+  for (const optimize::PoseGraphEdge& edge : joint.graph.edges) {
+    if (!edge.enabled) continue;
+    const std::size_t from = joint.node_of.at(edge.from);
+    const std::size_t to = joint.node_of.at(edge.to);
+    neighbours[from].push_back(to);
+    neighbours[to].push_back(from);
+  }
+  std::vector<char> joined(nodes.size(), 0);
+  std::vector<std::size_t> reached = {0};
+  joined[0] = 1;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (const std::size_t next : neighbours[reached[i]]) {
+      if (std::exchange(joined[next], 1) == 0) reached.push_back(next);
+    }
+  }
+  return joined;
 }
 
 double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut) {

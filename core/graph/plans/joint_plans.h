@@ -42,6 +42,9 @@ std::size_t AddNode(const GraphSnapshot& snapshot, const Pose2& T_world_node, Jo
 void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eigen::Matrix3d& information,
              JointGraph& joint);
 
+// Of each node, whether enabled edges join it to the root.
+std::vector<char> JoinedNodes(const JointGraph& joint);
+
 // The length of a strut by that in the plan; 1 for short ones, which may be stretched in any way.
 double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut);
 

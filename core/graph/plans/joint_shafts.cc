@@ -85,6 +85,7 @@ class ShaftAddition {
       added.edges.push_back(joint_.graph.edges.size());
       AddEdge(part.corners[holder], added.node, {from_holder.x(), from_holder.y(), 0.0}, Symmetric(information),
               joint_);
+      joint_.graph.edges.back().robust = false;
     }
     shafts_.nodes.push_back(std::move(added));
   }

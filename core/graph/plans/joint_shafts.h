@@ -35,7 +35,8 @@ struct JointShafts {
 
 // Ties the shafts that parts of different levels have in common (SameShafts), each with each. If m levels have a shaft,
 // each of its ties has 2 / m of the information: together they are worth as much as if each level had measured the
-// place of the shaft itself. Shafts that no other part has add nothing. All edges are robust.
+// place of the shaft itself. Shafts that no other part has add nothing. Ties are robust; what holds a
+// shaft in its plan is not, so that a tie counts or does not.
 JointShafts AddShafts(const GraphSnapshot& snapshot, const std::vector<PlanPart>& parts, JointGraph& joint);
 
 // How the shafts of part `index` fit to those of others. `edge_chi2`: of each edge of the graph at its nodes.

@@ -73,6 +73,18 @@ class PlanSolve {
     }
   }
 
+  // Those that may bend what link points have measured: between plans that maps place. False: none is in use. What
+  // agrees without them comes back when it is solved again.
+  bool SwitchOffShafts() {
+    bool any = false;
+    for (Judged& one : judged_) {
+      if (!one.is_tie_of_known) continue;
+      any |= one.used;
+      Use(one, false);
+    }
+    return any;
+  }
+
   PlanUse UseOf(const PlanPart& part) const {
     PlanUse use{.plan = part.plan->id};
     for (std::size_t i = 0; i < part.edges.size(); ++i) {
@@ -119,7 +131,7 @@ class PlanSolve {
 
   absl::StatusOr<SolvedGraph> Solution() {
     SolvedGraph solution = without_;
-    const std::vector<char> is_joined = JoinedNodes();
+    const std::vector<char> is_joined = JoinedNodes(joint_);
     std::size_t nodes = 0;  // that are posed
     for (std::size_t i = 0; i < joint_.graph.nodes.size(); ++i) nodes += is_joined[i] != 0 ? 1 : 0;
     for (std::size_t i = 0; i < joint_.maps; ++i) {
@@ -156,7 +168,7 @@ class PlanSolve {
   }
 
  private:
-  // What may be switched off: a sighting, a strut, a shaft of a plan, its tie to another plan's, or a link point.
+  // What may be switched off: a sighting, a strut, the tie of two shafts, or a link point.
   struct Judged {
     std::vector<std::size_t> edges = {};
     int degrees_of_freedom = 0;
@@ -165,6 +177,7 @@ class PlanSolve {
     std::size_t term = 0;  // of the link point
     bool used = true;
     bool returned = false;
+    bool is_tie_of_known = false;  // a tie of two shafts, of plans that maps place
   };
 
   SightingUse UseOf(const PlanPart& part, std::size_t sighting) const {
@@ -224,15 +237,19 @@ class PlanSolve {
   void AddShafts() {
     shafts_ = graph::AddShafts(snapshot_, parts_, joint_);
     degrees_of_freedom_.resize(joint_.graph.edges.size(), 3);
-    const double gate = ChiSquaredQuantile(kGate, 3);
-    for (const ShaftNode& shaft : shafts_.nodes) {
-      // Together its edges are one measurement of a pose.
+    for (const ShaftNode& shaft : shafts_.nodes) {  // together its edges are one measurement of a pose
       for (std::size_t i = 1; i < shaft.edges.size(); ++i) degrees_of_freedom_[shaft.edges[i]] = 0;
-      judged_.push_back({.edges = shaft.edges, .degrees_of_freedom = 3, .gate = gate});
     }
+    const double gate = ChiSquaredQuantile(kGate, 3);
     for (const ShaftTie& tie : shafts_.ties) {
-      judged_.push_back({.edges = {tie.edge}, .degrees_of_freedom = 3, .gate = gate});
+      const bool known = IsKnown(shafts_.nodes[tie.a].part) && IsKnown(shafts_.nodes[tie.b].part);
+      judged_.push_back({.edges = {tie.edge}, .degrees_of_freedom = 3, .gate = gate, .is_tie_of_known = known});
     }
+  }
+  // Whether a map that is posed without plans has seen the part.
+  bool IsKnown(std::size_t part) const {
+    const std::vector<MapInPlan>& maps = parts_[part].ties().maps;
+    return std::any_of(maps.begin(), maps.end(), [&](const auto& map) { return without_.map_poses.contains(map.map); });
   }
 
   // Link points between maps that are posed without plans count as they do there; others are judged.
@@ -295,28 +312,6 @@ class PlanSolve {
     return any;
   }
 
-  // The nodes that enabled edges join to the root.
-  std::vector<char> JoinedNodes() const {
-    const std::vector<optimize::PoseGraphNode>& nodes = joint_.graph.nodes;
-    std::vector<std::vector<std::size_t>> neighbours(nodes.size());
-    for (const optimize::PoseGraphEdge& edge : joint_.graph.edges) {
-      if (!edge.enabled) continue;
-      const std::size_t from = joint_.node_of.at(edge.from);
-      const std::size_t to = joint_.node_of.at(edge.to);
-      neighbours[from].push_back(to);
-      neighbours[to].push_back(from);
-    }
-    std::vector<char> joined(nodes.size(), 0);
-    std::vector<std::size_t> reached = {0};
-    joined[0] = 1;
-    for (std::size_t i = 0; i < reached.size(); ++i) {
-      for (const std::size_t next : neighbours[reached[i]]) {
-        if (std::exchange(joined[next], 1) == 0) reached.push_back(next);
-      }
-    }
-    return joined;
-  }
-
   double Chi2At(const std::vector<optimize::PoseGraphNode>& nodes, const optimize::PoseGraphEdge& edge) const {
     const Eigen::Vector3d error =
         optimize::EdgeError(nodes[joint_.node_of.at(edge.from)].T_world_node,
@@ -363,6 +358,7 @@ absl::StatusOr<SolvedGraph> SolveWithPlans(const GraphSnapshot& graph, SolvedGra
     });
     if (plans.empty()) return finish(std::move(without));
     ENFILADE_RETURN_IF_ERROR(solve.Run());
+    if (!solve.DisagreementOfLinkPoints().empty() && solve.SwitchOffShafts()) ENFILADE_RETURN_IF_ERROR(solve.Run());
     std::vector<PlanUse> attempted;
     for (const PlanPart& part : solve.parts()) attempted.push_back(solve.UseOf(part));
     const auto is_contradicted = [](const PlanUse& use) { return !use.contradiction.empty(); };

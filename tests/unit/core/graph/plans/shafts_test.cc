@@ -124,6 +124,19 @@ TEST(ShaftsTest, OneThatDisagreesIsSwitchedOff) {
   for (int room = 0; room < 3; ++room) EXPECT_LT(floors.ErrorOf(solution, 1, room).value_or(1e9), kWanted);
 }
 
+TEST(ShaftsTest, OverruleNoLinkPoint) {
+  Floors floors(2, 3, 0.03, 0.0, 3);
+  const std::vector<LinkPoint> stairs = {floors.Stairs(0, 0, 0.4, 5.0 * kDegree)};
+  for (ShaftInPlan& shaft : floors.ties(1).shafts) Shift(shaft, {3.0, 2.0});
+  ASSERT_OK_AND_ASSIGN(const SolvedGraph solution, OptimizeGraph(floors.Graph({0, 1}, stairs)));
+  ASSERT_THAT(solution.plans, SizeIs(2));
+  for (const PlanUse& plan : solution.plans) {
+    EXPECT_EQ(plan.contradiction, "") << "nobody can tell which one is wrong";
+    ASSERT_THAT(plan.shafts, SizeIs(2));
+    for (const ShaftUse& shaft : plan.shafts) EXPECT_FALSE(shaft.used);
+  }
+}
+
 TEST(ShaftsTest, ThatLieOtherwiseToEachOtherPlaceNothing) {
   for (const bool farther : {true, false}) {
     Floors floors(2, 3, 0.03, 0.0, 3);
