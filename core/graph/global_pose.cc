@@ -132,7 +132,7 @@ absl::Status ExplainPlans(const GraphSnapshot& graph, GlobalPose& pose) {
   const Pose2 T_base_robot = Between(pose.T_world_base.pose, pose.T_world_robot.pose);
   for (const PlanShare& part : solution.plan_shares) {
     const Eigen::Matrix3d share = Compose({pose.T_world_base.pose, part.share}, {.pose = T_base_robot}).covariance;
-    pose.plan_hops.push_back({part.plan, part.wall, share});
+    pose.plan_hops.push_back({part.plan, part.wall, part.shaft, share});
     pose.base_share -= share;
   }
   return absl::OkStatus();

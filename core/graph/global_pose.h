@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -20,7 +21,8 @@ namespace enfilade::graph {
 // What a plan in use contributes to a pose.
 struct PlanHop {
   PriorMapId plan;
-  int wall = -1;  // as PlanShare::wall
+  int wall = -1;           // as PlanShare::wall
+  std::string shaft = {};  // as PlanShare::shaft
   Eigen::Matrix3d share = Eigen::Matrix3d::Zero();
 };
 
@@ -78,9 +80,9 @@ class WorldPoses {
   std::unique_ptr<Chains> chains_;
 };
 
-// Splits what plans contribute from pose.base_share: one hop for each wall that the base map has seen, and one for
-// everything else that a plan says. `pose` is by `graph`. Takes an optimisation, if plans are part of the pose. Errors
-// of OptimizeGraph.
+// Splits what plans contribute from pose.base_share: one hop for each wall that the base map has seen, one for each
+// shaft that ties plans of different levels, and one for everything else that a plan says. `pose` is by `graph`. Takes
+// an optimisation, if plans are part of the pose. Errors of OptimizeGraph.
 absl::Status ExplainPlans(const GraphSnapshot& graph, GlobalPose& pose);
 
 // T_a_b of two maps, with its derivation.

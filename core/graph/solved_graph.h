@@ -32,6 +32,17 @@ struct SightingUse {
   friend bool operator==(const SightingUse&, const SightingUse&) = default;
 };
 
+// How a shaft of a plan fits to the same shaft of a plan of another level (SameShafts).
+struct ShaftUse {
+  std::string name = {};
+  PriorMapId other = {};
+  bool used = false;      // it ties the two plans; else it contradicts the others
+  double distance = 0.0;  // m, between the middles of the two
+  double chi2 = 0.0;      // 3 degrees of freedom
+
+  friend bool operator==(const ShaftUse&, const ShaftUse&) = default;
+};
+
 // What the optimisation has made of a floor plan (PlanTies).
 struct PlanUse {
   PriorMapId plan = {};
@@ -40,6 +51,7 @@ struct PlanUse {
   // Why the plan contradicts what robots have measured; it then has no influence. Empty: it does not.
   std::string contradiction = {};
   std::vector<SightingUse> sightings = {};  // of each of the ties; empty: the plan is not part of the graph
+  std::vector<ShaftUse> shafts = {};        // that it shares with other plans of the graph
 
   friend bool operator==(const PlanUse&, const PlanUse&) = default;
 };
@@ -50,6 +62,8 @@ struct PlanShare {
   // The number in the plan of a wall that the map has seen; -1: everything else, that is how the plan is drawn, and
   // what other maps have seen of it.
   int wall = -1;
+  // Not empty: the share of the shaft with this name, which ties the plan to those of higher levels.
+  std::string shaft = {};
   Eigen::Matrix3d share = Eigen::Matrix3d::Zero();
 };
 
@@ -63,7 +77,8 @@ struct SolvedGraph {
   std::vector<SwitchedOff> switched_off = {};  // sorted by id
   std::vector<MapId> disconnected = {};        // from the root; sorted by id
   std::vector<PlanUse> plans = {};             // of each plan that the graph has, by id
-  std::vector<PlanShare> plan_shares = {};     // of GraphOptimizationOptions::shares_of; by plan, then by wall
+  std::vector<PlanShare> plan_shares =
+      {};  // of GraphOptimizationOptions::shares_of; by plan, then by wall, shafts last
 
   double chi2_before = 0.0;  // at the initial poses, over the link points in use afterwards
   double chi2_after = 0.0;

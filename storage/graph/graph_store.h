@@ -74,6 +74,7 @@ struct StoredPlanTies {
   std::string bytes;   // graph::EncodePlanTies; empty: the caller has them
   // Those of its alignment that are still there: no other is tied, not even one that was made again under its id.
   std::vector<MapId> maps = {};
+  int level = 0;  // of the prior map
 };
 
 // A prior map that contradicts what robots have measured.

@@ -6,7 +6,11 @@
 
 namespace enfilade::fuzz {
 
-std::vector<std::string> Seeds() { return {graph::EncodePlanTies({}), graph::EncodePlanTies(graph::SampleTies())}; }
+std::vector<std::string> Seeds() {
+  graph::PlanTies without_shafts = graph::SampleTies();
+  without_shafts.shafts.clear();
+  return {graph::EncodePlanTies({}), graph::EncodePlanTies(without_shafts), graph::EncodePlanTies(graph::SampleTies())};
+}
 
 bool Decode(std::string_view bytes) {
   const auto ties = graph::DecodePlanTies(bytes);
@@ -25,6 +29,12 @@ bool Decode(std::string_view bytes) {
     Expect(ties->HasSeen(sighting.map), "the map of a sighting is listed");
     Expect(IsFinite(sighting.T_map_line) && sighting.across_sigma > 0 && sighting.yaw_sigma > 0,
            "a sighting is a measurement");
+  }
+  for (const graph::ShaftInPlan& shaft : ties->shafts) {
+    Expect(shaft.outline.size() >= 3 && shaft.held_by.size() == shaft.outline.size(), "a shaft is an area");
+    for (const int corner : shaft.held_by) {
+      Expect(corner >= 0 && corner < static_cast<int>(ties->corners.size()), "a corner holds it");
+    }
   }
   Expect(graph::EncodePlanTies(*ties) == bytes, "ties are written as they were read");
   return true;

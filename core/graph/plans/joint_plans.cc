@@ -5,10 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
-
-#include "core/base/status_macros.h"
-#include "core/optimize/edge_shares.h"
+#include <utility>
 
 namespace enfilade::graph {
 namespace {
@@ -22,12 +19,18 @@ constexpr double kBendingPosition = 0.03;      // m
 constexpr double kBendingYaw = 0.2 * kDegree;  // rad
 constexpr double kShortStrut = 2.0;            // m
 
-// Uncertainty of a strut between its corners, in its own frame: along, across (m^2), turn (rad^2).
-Eigen::Vector3d StrutVariances(const PlanTies& ties, double length) {
+// Of one corner relative to another so far away, along the way there and across it: m^2.
+Eigen::Vector2d CornerVariances(const PlanTies& ties, double length) {
   const double corners = 2.0 * ties.corner_sigma * ties.corner_sigma;
   const double stretch = ties.stretch_sigma * length;
   const double turn = kTurnSigma * length;
-  return {corners + stretch * stretch, corners + turn * turn, (corners + turn * turn) / (length * length)};
+  return {corners + stretch * stretch, corners + turn * turn};
+}
+
+// Uncertainty of a strut between its corners, in its own frame: along, across (m^2), turn (rad^2).
+Eigen::Vector3d StrutVariances(const PlanTies& ties, double length) {
+  const Eigen::Vector2d variances = CornerVariances(ties, length);
+  return {variances.x(), variances.y(), variances.y() / (length * length)};
 }
 
 // The information of a strut, in a frame in which it points to `direction`.
@@ -51,8 +54,9 @@ Eigen::Matrix3d SightingInformation(const WallSighting& sighting) {
 class PlanAddition {
  public:
   PlanAddition(const GraphSnapshot& snapshot, const PlanInGraph& plan, const Pose2& T_world_plan, JointGraph& joint)
-      : snapshot_(snapshot), ties_(*plan.ties), T_world_plan_(T_world_plan), joint_(joint) {
+      : snapshot_(snapshot), ties_(*plan.ties), joint_(joint) {
     part_.plan = &plan;
+    part_.T_world_plan = T_world_plan;
   }
 
   PlanPart Run() {
@@ -71,20 +75,10 @@ class PlanAddition {
 
  private:
   std::size_t AddNode(const Pose2& T_plan_node) {
-    const auto node = joint_.graph.nodes.size();
-    const auto first = static_cast<std::int64_t>(snapshot_.map_slots() + snapshot_.link_point_slots());
-    const std::int64_t id = first + static_cast<std::int64_t>(node);
-    joint_.graph.nodes.push_back({.id = id, .T_world_node = T_world_plan_ * T_plan_node});
-    joint_.node_of[id] = node;
-    return node;
+    return graph::AddNode(snapshot_, part_.T_world_plan * T_plan_node, joint_);
   }
   void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eigen::Matrix3d& information) {
-    joint_.graph.edges.push_back({.from = joint_.graph.nodes[from].id,
-                                  .to = joint_.graph.nodes[to].id,
-                                  .T_from_to = T_from_to,
-                                  .information = information,
-                                  .robust = true,
-                                  .enabled = true});
+    graph::AddEdge(from, to, T_from_to, information, joint_);
   }
 
   // One that somebody has seen is a variable at its middle, between its corners; another only joins its corners.
@@ -125,7 +119,6 @@ class PlanAddition {
 
   const GraphSnapshot& snapshot_;
   const PlanTies& ties_;
-  const Pose2 T_world_plan_;
   JointGraph& joint_;
   PlanPart part_;
   std::vector<std::size_t> middles_;  // nodes of struts; kNone: nobody has seen it
@@ -137,6 +130,51 @@ PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const P
   return PlanAddition(snapshot, plan, T_world_plan, joint).Run();
 }
 
+Eigen::Matrix2d CornerInformation(const PlanTies& ties, const Eigen::Vector2d& way) {
+  const Eigen::Matrix2d to_plan = Eigen::Rotation2Dd(std::atan2(way.y(), way.x())).toRotationMatrix();
+  return to_plan * CornerVariances(ties, way.norm()).cwiseInverse().asDiagonal() * to_plan.transpose();
+}
+
+std::size_t AddNode(const GraphSnapshot& snapshot, const Pose2& T_world_node, JointGraph& joint) {
+  const auto node = joint.graph.nodes.size();
+  const auto first = static_cast<std::int64_t>(snapshot.map_slots() + snapshot.link_point_slots());
+  const std::int64_t id = first + static_cast<std::int64_t>(node);
+  joint.graph.nodes.push_back({.id = id, .T_world_node = T_world_node});
+  joint.node_of[id] = node;
+  return node;
+}
+
+void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eigen::Matrix3d& information,
+             JointGraph& joint) {
+  joint.graph.edges.push_back({.from = joint.graph.nodes[from].id,
+                               .to = joint.graph.nodes[to].id,
+                               .T_from_to = T_from_to,
+                               .information = information,
+                               .robust = true,
+                               .enabled = true});
+}
+
+std::vector<char> JoinedNodes(const JointGraph& joint) {
+  const std::vector<optimize::PoseGraphNode>& nodes = joint.graph.nodes;
+  std::vector<std::vector<std::size_t>> neighbours(nodes.size());
+  for (const optimize::PoseGraphEdge& edge : joint.graph.edges) {
+    if (!edge.enabled) continue;
+    const std::size_t from = joint.node_of.at(edge.from);
+    const std::size_t to = joint.node_of.at(edge.to);
+    neighbours[from].push_back(to);
+    neighbours[to].push_back(from);
+  }
+  std::vector<char> joined(nodes.size(), 0);
+  std::vector<std::size_t> reached = {0};
+  joined[0] = 1;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (const std::size_t next : neighbours[reached[i]]) {
+      if (std::exchange(joined[next], 1) == 0) reached.push_back(next);
+    }
+  }
+  return joined;
+}
+
 double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut) {
   const auto from = static_cast<std::size_t>(part.ties().struts[strut].from);
   const auto to = static_cast<std::size_t>(part.ties().struts[strut].to);
@@ -146,30 +184,6 @@ double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t stru
     return joint.graph.nodes[part.corners[corner]].T_world_node.translation();
   };
   return (at(to) - at(from)).norm() / before;
-}
-
-absl::StatusOr<std::vector<PlanShare>> SharesOf(const JointGraph& joint, const std::vector<PlanPart>& parts,
-                                                std::size_t node) {
-  const std::int64_t map = joint.graph.nodes[node].id;
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Eigen::Matrix3d> of_edges,
-                            optimize::EdgeShares(joint.graph, {joint.graph.nodes.front().id}, map));
-  std::vector<PlanShare> shares;
-  for (const PlanPart& part : parts) {
-    std::map<int, Eigen::Matrix3d> by_wall = {{-1, Eigen::Matrix3d::Zero()}};
-    for (const std::size_t edge : part.strut_edges) by_wall[-1] += of_edges[edge];
-    for (std::size_t i = 0; i < part.edges.size(); ++i) {
-      const std::size_t edge = part.edges[i];
-      if (edge == PlanPart::kNone || !joint.graph.edges[edge].enabled) continue;
-      const bool is_own = joint.graph.edges[edge].from == map;
-      const int strut = part.ties().sightings[i].strut;
-      const int wall = is_own ? part.ties().struts[static_cast<std::size_t>(strut)].wall : -1;
-      by_wall.try_emplace(wall, Eigen::Matrix3d::Zero()).first->second += of_edges[edge];
-    }
-    for (const auto& [wall, share] : by_wall) shares.push_back({part.plan->id, wall, share});
-  }
-  std::stable_sort(shares.begin(), shares.end(),
-                   [](const PlanShare& a, const PlanShare& b) { return a.plan < b.plan; });
-  return shares;
 }
 
 std::optional<Eigen::Matrix3d> CovarianceByPlan(const Eigen::Matrix3d& solved) {

@@ -7,11 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "core/graph/graph_snapshot.h"
 #include "core/graph/joint_graph.h"
 #include "core/graph/plans/plan_ties.h"
-#include "core/graph/solved_graph.h"
 
 namespace enfilade::graph {
 
@@ -20,6 +18,7 @@ struct PlanPart {
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
   const PlanInGraph* plan = nullptr;
+  Pose2 T_world_plan = {};                    // where it was placed
   std::vector<std::size_t> corners = {};      // nodes
   std::vector<std::size_t> edges = {};        // of each sighting; kNone: its map is not part of the graph
   std::vector<std::size_t> strut_edges = {};  // one for each strut, or two for one that was seen
@@ -33,12 +32,21 @@ struct PlanPart {
 // each sighting. All are robust. `plan` must outlive the result.
 PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const Pose2& T_world_plan, JointGraph& joint);
 
+// Where one corner of a plan, or of a shaft, lies from another, as the plan is drawn: in the plan's frame, m^-2.
+// `way`: from the one to the other.
+Eigen::Matrix2d CornerInformation(const PlanTies& ties, const Eigen::Vector2d& way);
+
+// Adds a node to the graph, with an id that no map and no link point has. Its index.
+std::size_t AddNode(const GraphSnapshot& snapshot, const Pose2& T_world_node, JointGraph& joint);
+// Adds a robust edge between two nodes, given by their indices.
+void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eigen::Matrix3d& information,
+             JointGraph& joint);
+
+// Of each node, whether enabled edges join it to the root.
+std::vector<char> JoinedNodes(const JointGraph& joint);
+
 // The length of a strut by that in the plan; 1 for short ones, which may be stretched in any way.
 double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut);
-
-// What each plan contributes to the covariance of the map at a node, given the graph at its optimum.
-absl::StatusOr<std::vector<PlanShare>> SharesOf(const JointGraph& joint, const std::vector<PlanPart>& parts,
-                                                std::size_t node);
 
 // Of the pose of a map that only plans join, given that by the solution: with what SLAM bends maps. Unset: it is not
 // known well enough.

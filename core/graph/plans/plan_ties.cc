@@ -13,6 +13,7 @@ namespace enfilade::graph {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersionWithShafts = 2;
 
 void Put(const Pose2& pose, BinaryWriter& writer) {
   for (const double value : {pose.x, pose.y, pose.yaw}) writer.Put(value);
@@ -50,13 +51,60 @@ absl::Status Check(const PlanTies& ties) {
       return DataLoss("a wall that was seen in map \"{}\" is damaged", sighting.map.value());
     }
   }
+  for (const ShaftInPlan& shaft : ties.shafts) {
+    const bool is_outline = shaft.outline.size() >= 3 && shaft.held_by.size() == shaft.outline.size();
+    if (shaft.name.empty() || !is_outline || !std::all_of(shaft.held_by.begin(), shaft.held_by.end(), is_corner) ||
+        !std::all_of(shaft.outline.begin(), shaft.outline.end(),
+                     [](const auto& corner) { return corner.allFinite(); })) {
+      return DataLoss("shaft \"{}\" of the plan is damaged", shaft.name);
+    }
+  }
   if (!IsSigma(ties.corner_sigma) || !IsSigma(ties.stretch_sigma)) {
     return DataLoss("the plan's standard deviations {} and {} are not positive", ties.corner_sigma, ties.stretch_sigma);
   }
   return absl::OkStatus();
 }
 
+void Put(const Eigen::Vector2d& point, BinaryWriter& writer) {
+  writer.Put(point.x());
+  writer.Put(point.y());
+}
+
+Eigen::Vector2d GetPoint(BinaryReader& reader) {
+  const auto x = reader.Get<double>();
+  return {x, reader.Get<double>()};
+}
+
+void Put(const ShaftInPlan& shaft, BinaryWriter& writer) {
+  writer.PutString(shaft.name);
+  writer.Put(static_cast<std::uint8_t>(shaft.is_lift ? 1 : 0));
+  writer.Put(static_cast<std::uint32_t>(shaft.outline.size()));
+  for (std::size_t i = 0; i < shaft.outline.size(); ++i) {
+    Put(shaft.outline[i], writer);
+    writer.Put(static_cast<std::int32_t>(shaft.held_by[i]));
+  }
+}
+
+ShaftInPlan GetShaft(BinaryReader& reader, bool& is_damaged) {
+  ShaftInPlan shaft;
+  shaft.name = std::string(reader.GetString());
+  const auto kind = reader.Get<std::uint8_t>();
+  shaft.is_lift = kind == 1;
+  is_damaged |= kind > 1;
+  for (auto count = reader.Get<std::uint32_t>(); count > 0 && reader.ok(); --count) {
+    shaft.outline.push_back(GetPoint(reader));
+    shaft.held_by.push_back(reader.Get<std::int32_t>());
+  }
+  return shaft;
+}
+
 }  // namespace
+
+Eigen::Vector2d ShaftInPlan::middle() const {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : outline) sum += corner;
+  return sum / static_cast<double>(outline.size());
+}
 
 bool PlanTies::HasSeen(const MapId& map) const {
   const auto at = std::lower_bound(maps.begin(), maps.end(), map,
@@ -73,14 +121,11 @@ void PlanTies::KeepMaps(const std::vector<MapId>& kept) {
 std::string EncodePlanTies(const PlanTies& ties) {
   std::string bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kVersion);
+  writer.Put(ties.shafts.empty() ? kVersion : kVersionWithShafts);
   writer.Put(ties.corner_sigma);
   writer.Put(ties.stretch_sigma);
   writer.Put(static_cast<std::uint32_t>(ties.corners.size()));
-  for (const Eigen::Vector2d& corner : ties.corners) {
-    writer.Put(corner.x());
-    writer.Put(corner.y());
-  }
+  for (const Eigen::Vector2d& corner : ties.corners) Put(corner, writer);
   writer.Put(static_cast<std::uint32_t>(ties.struts.size()));
   for (const PlanStrut& strut : ties.struts) {
     for (const int value : {strut.from, strut.to, strut.wall}) writer.Put(static_cast<std::int32_t>(value));
@@ -99,19 +144,22 @@ std::string EncodePlanTies(const PlanTies& ties) {
       writer.Put(value);
     }
   }
+  if (ties.shafts.empty()) return bytes;
+  writer.Put(static_cast<std::uint32_t>(ties.shafts.size()));
+  for (const ShaftInPlan& shaft : ties.shafts) Put(shaft, writer);
   return bytes;
 }
 
 absl::StatusOr<PlanTies> DecodePlanTies(std::string_view bytes) {
   BinaryReader reader(bytes);
   const auto version = reader.Get<std::uint8_t>();
-  if (version > kVersion) return FailedPrecondition("the ties of a plan have format {}, which is newer", version);
+  if (version > kVersionWithShafts)
+    return FailedPrecondition("the ties of a plan have format {}, which is newer", version);
   PlanTies ties;
   ties.corner_sigma = reader.Get<double>();
   ties.stretch_sigma = reader.Get<double>();
   for (auto count = reader.Get<std::uint32_t>(); count > 0 && reader.ok(); --count) {
-    const auto x = reader.Get<double>();
-    ties.corners.emplace_back(x, reader.Get<double>());
+    ties.corners.push_back(GetPoint(reader));
   }
   for (auto count = reader.Get<std::uint32_t>(); count > 0 && reader.ok(); --count) {
     PlanStrut& strut = ties.struts.emplace_back();
@@ -131,7 +179,14 @@ absl::StatusOr<PlanTies> DecodePlanTies(std::string_view bytes) {
       *value = reader.Get<double>();
     }
   }
-  if (version != kVersion || !reader.at_end()) return DataLoss("the ties of a plan are damaged");
+  bool is_damaged = version < kVersion;
+  if (version == kVersionWithShafts) {
+    for (auto count = reader.Get<std::uint32_t>(); count > 0 && reader.ok(); --count) {
+      ties.shafts.push_back(GetShaft(reader, is_damaged));
+    }
+    is_damaged |= ties.shafts.empty();
+  }
+  if (is_damaged || !reader.at_end()) return DataLoss("the ties of a plan are damaged");
   ENFILADE_RETURN_IF_ERROR(Check(ties));
   return ties;
 }

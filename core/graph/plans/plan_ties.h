@@ -38,6 +38,18 @@ struct WallSighting {
   friend bool operator==(const WallSighting&, const WallSighting&) = default;
 };
 
+// A lift or a staircase of a plan, as it is drawn.
+struct ShaftInPlan {
+  std::string name = {};
+  bool is_lift = true;
+  std::vector<Eigen::Vector2d> outline = {};  // m, in the plan's frame, counter-clockwise
+  std::vector<int> held_by = {};              // of each of its corners, the index of a corner of the plan near it
+
+  Eigen::Vector2d middle() const;  // of its corners
+
+  friend bool operator==(const ShaftInPlan&, const ShaftInPlan&) = default;
+};
+
 // Where a map lay in the plan when its walls were recognised.
 struct MapInPlan {
   MapId map = {};
@@ -52,7 +64,8 @@ struct PlanTies {
   std::vector<Eigen::Vector2d> corners;  // m
   std::vector<PlanStrut> struts;
   std::vector<WallSighting> sightings;
-  std::vector<MapInPlan> maps;  // by id; of all sightings
+  std::vector<MapInPlan> maps;           // by id; of all sightings
+  std::vector<ShaftInPlan> shafts = {};  // those with a name
   // How wrong the plan is: each corner by itself (m), and the length of each strut relative to it.
   double corner_sigma = 0.1;
   double stretch_sigma = 0.04;
@@ -70,17 +83,19 @@ struct PlanInGraph {
   PriorMapId id = {};
   std::string sha256 = {};  // of its encoded ties, with all maps; equal digests and maps have equal ties
   std::shared_ptr<const PlanTies> ties = {};
+  int level = 0;  // the floor that it is of
 
   friend bool operator==(const PlanInGraph& a, const PlanInGraph& b) {
-    if (a.id != b.id || a.sha256 != b.sha256) return false;
+    if (a.id != b.id || a.sha256 != b.sha256 || a.level != b.level) return false;
     return a.ties == b.ties || (a.ties && b.ties && a.ties->maps == b.ties->maps);
   }
 };
 
-// The form in which ties are stored. Little-endian; a byte of format version (1) first.
+// The form in which ties are stored. Little-endian; a byte of format version first: 1, or 2 if there are shafts.
 std::string EncodePlanTies(const PlanTies& ties);
 // DATA_LOSS: damaged bytes, an index out of range, a number that is not finite, a sigma that is not positive, a
-// sighting in a map that is not listed. FAILED_PRECONDITION: a newer format version.
+// sighting in a map that is not listed, a shaft without name or of fewer than three corners. FAILED_PRECONDITION: a
+// newer format version.
 absl::StatusOr<PlanTies> DecodePlanTies(std::string_view bytes);
 
 }  // namespace enfilade::graph

@@ -11,6 +11,9 @@
 #include "core/graph/chi_squared.h"
 #include "core/graph/joint_graph.h"
 #include "core/graph/plans/joint_plans.h"
+#include "core/graph/plans/joint_shafts.h"
+#include "core/graph/plans/plan_placement.h"
+#include "core/graph/plans/plan_shares.h"
 #include "core/optimize/edge_error.h"
 #include "core/optimize/solve_pose_graph.h"
 #include "fmt/core.h"
@@ -32,20 +35,15 @@ class PlanSolve {
             const std::vector<const PlanInGraph*>& plans)
       : snapshot_(snapshot), without_(without), options_(options) {
     std::vector<PlacedSlot> starts = {{snapshot.MapSlot(snapshot.root()), Pose2()}};
-    std::vector<const PlanInGraph*> usable;
-    std::vector<Pose2> places;
-    for (const PlanInGraph* plan : plans) {
-      const std::optional<Pose2> T_world_plan = PlaceOf(*plan->ties);
-      if (!T_world_plan) continue;
-      usable.push_back(plan);
-      places.push_back(*T_world_plan);
+    const std::vector<PlacedPlan> placed = PlacePlans(snapshot, without, plans);
+    for (const auto& [plan, T_world_plan] : placed) {
       for (const MapInPlan& map : plan->ties->maps) {
         const int slot = snapshot.MapSlot(map.map);
         const auto is_start = [slot](const PlacedSlot& start) { return start.first == slot; };
         if (slot < 0 || without.map_poses.contains(map.map) || std::any_of(starts.begin(), starts.end(), is_start)) {
           continue;
         }
-        starts.emplace_back(slot, *T_world_plan * map.T_plan_map);
+        starts.emplace_back(slot, T_world_plan * map.T_plan_map);
       }
     }
     joint_ = BuildJointGraph(snapshot, starts, options);
@@ -54,7 +52,8 @@ class PlanSolve {
       if (known != without.map_poses.end()) joint_.graph.nodes[i].T_world_node = known->second.pose;
     }
     ApplyUse();
-    for (std::size_t i = 0; i < usable.size(); ++i) Add(*usable[i], places[i]);
+    for (const auto& [plan, T_world_plan] : placed) Add(*plan, T_world_plan);
+    AddShafts();
     begin_ = joint_.graph.nodes;
   }
 
@@ -72,6 +71,18 @@ class PlanSolve {
       ENFILADE_RETURN_IF_ERROR(Solve({}));
       if (round >= options_.max_rounds || !(SwitchOffWorst() || UseAgain())) return absl::OkStatus();
     }
+  }
+
+  // Those that may bend what link points have measured: between plans that maps place. False: none is in use. What
+  // agrees without them comes back when it is solved again.
+  bool SwitchOffShafts() {
+    bool any = false;
+    for (Judged& one : judged_) {
+      if (!one.is_tie_of_known) continue;
+      any |= one.used;
+      Use(one, false);
+    }
+    return any;
   }
 
   PlanUse UseOf(const PlanPart& part) const {
@@ -96,6 +107,9 @@ class PlanSolve {
       use.contradiction = fmt::format("wall {} would have to be stretched to {:.2f} of its length",
                                       part.ties().struts[strut].wall, stretch);
     }
+    const auto index = static_cast<std::size_t>(&part - parts_.data());
+    use.shafts = graph::UsesOf(joint_, shafts_, parts_, report_.edge_chi2, index);
+    if (use.contradiction.empty()) use.contradiction = ContradictionOfShafts(use.shafts);
     return use;
   }
 
@@ -117,7 +131,7 @@ class PlanSolve {
 
   absl::StatusOr<SolvedGraph> Solution() {
     SolvedGraph solution = without_;
-    const std::vector<char> is_joined = JoinedNodes();
+    const std::vector<char> is_joined = JoinedNodes(joint_);
     std::size_t nodes = 0;  // that are posed
     for (std::size_t i = 0; i < joint_.graph.nodes.size(); ++i) nodes += is_joined[i] != 0 ? 1 : 0;
     for (std::size_t i = 0; i < joint_.maps; ++i) {
@@ -137,7 +151,7 @@ class PlanSolve {
               [](const SwitchedOff& a, const SwitchedOff& b) { return a.link_point < b.link_point; });
     const auto shares_of = joint_.node_of.find(snapshot_.MapSlot(options_.shares_of));
     if (shares_of != joint_.node_of.end() && is_joined[shares_of->second] != 0) {
-      ENFILADE_ASSIGN_OR_RETURN(solution.plan_shares, SharesOf(joint_, parts_, shares_of->second));
+      ENFILADE_ASSIGN_OR_RETURN(solution.plan_shares, SharesOf(joint_, parts_, shafts_, shares_of->second));
     }
     solution.chi2_before = 0.0;
     solution.degrees_of_freedom = -3 * (static_cast<int>(nodes) - 1);
@@ -145,7 +159,7 @@ class PlanSolve {
       const optimize::PoseGraphEdge& edge = joint_.graph.edges[i];
       if (!edge.enabled || is_joined[joint_.node_of.at(edge.from)] == 0) continue;
       solution.chi2_before += Chi2At(begin_, edge);
-      solution.degrees_of_freedom += is_sighting_[i] != 0 ? 2 : 3;
+      solution.degrees_of_freedom += degrees_of_freedom_[i];
     }
     solution.chi2_after = report_.final_chi2;
     solution.iterations += iterations_;
@@ -154,7 +168,7 @@ class PlanSolve {
   }
 
  private:
-  // What may be switched off: a sighting, a strut, or a link point.
+  // What may be switched off: a sighting, a strut, the tie of two shafts, or a link point.
   struct Judged {
     std::vector<std::size_t> edges = {};
     int degrees_of_freedom = 0;
@@ -163,6 +177,7 @@ class PlanSolve {
     std::size_t term = 0;  // of the link point
     bool used = true;
     bool returned = false;
+    bool is_tie_of_known = false;  // a tie of two shafts, of plans that maps place
   };
 
   SightingUse UseOf(const PlanPart& part, std::size_t sighting) const {
@@ -208,10 +223,10 @@ class PlanSolve {
 
   void Add(const PlanInGraph& plan, const Pose2& T_world_plan) {
     parts_.push_back(AddPlan(snapshot_, plan, T_world_plan, joint_));
-    is_sighting_.resize(joint_.graph.edges.size(), 0);
+    degrees_of_freedom_.resize(joint_.graph.edges.size(), 3);
     for (const std::size_t edge : parts_.back().edges) {
       if (edge == PlanPart::kNone) continue;
-      is_sighting_[edge] = 1;
+      degrees_of_freedom_[edge] = 2;
       judged_.push_back({.edges = {edge}, .degrees_of_freedom = 2, .gate = ChiSquaredQuantile(kGate, 2)});
     }
     for (const std::size_t edge : parts_.back().strut_edges) {
@@ -219,19 +234,22 @@ class PlanSolve {
     }
   }
 
-  // By the map that sees most of it, of those that are posed without it.
-  std::optional<Pose2> PlaceOf(const PlanTies& ties) const {
-    std::optional<Pose2> T_world_plan;
-    std::ptrdiff_t most = 0;
-    for (const MapInPlan& map : ties.maps) {
-      const auto known = without_.map_poses.find(map.map);
-      const auto seen = std::count_if(ties.sightings.begin(), ties.sightings.end(),
-                                      [&](const WallSighting& sighting) { return sighting.map == map.map; });
-      if (known == without_.map_poses.end() || snapshot_.MapSlot(map.map) < 0 || seen <= most) continue;
-      most = seen;
-      T_world_plan = known->second.pose * Inverse(map.T_plan_map);
+  void AddShafts() {
+    shafts_ = graph::AddShafts(snapshot_, parts_, joint_);
+    degrees_of_freedom_.resize(joint_.graph.edges.size(), 3);
+    for (const ShaftNode& shaft : shafts_.nodes) {  // together its edges are one measurement of a pose
+      for (std::size_t i = 1; i < shaft.edges.size(); ++i) degrees_of_freedom_[shaft.edges[i]] = 0;
     }
-    return T_world_plan;
+    const double gate = ChiSquaredQuantile(kGate, 3);
+    for (const ShaftTie& tie : shafts_.ties) {
+      const bool known = IsKnown(shafts_.nodes[tie.a].part) && IsKnown(shafts_.nodes[tie.b].part);
+      judged_.push_back({.edges = {tie.edge}, .degrees_of_freedom = 3, .gate = gate, .is_tie_of_known = known});
+    }
+  }
+  // Whether a map that is posed without plans has seen the part.
+  bool IsKnown(std::size_t part) const {
+    const std::vector<MapInPlan>& maps = parts_[part].ties().maps;
+    return std::any_of(maps.begin(), maps.end(), [&](const auto& map) { return without_.map_poses.contains(map.map); });
   }
 
   // Link points between maps that are posed without plans count as they do there; others are judged.
@@ -252,7 +270,7 @@ class PlanSolve {
       for (const std::size_t edge : term.edges) joint_.graph.edges[edge].robust = !is_known;
       (is_known ? known_ : judged_).push_back(std::move(one));
     }
-    is_sighting_.assign(joint_.graph.edges.size(), 0);
+    degrees_of_freedom_.assign(joint_.graph.edges.size(), 3);
   }
 
   absl::Status Solve(const optimize::RobustKernel& kernel) {
@@ -294,28 +312,6 @@ class PlanSolve {
     return any;
   }
 
-  // The nodes that enabled edges join to the root.
-  std::vector<char> JoinedNodes() const {
-    const std::vector<optimize::PoseGraphNode>& nodes = joint_.graph.nodes;
-    std::vector<std::vector<std::size_t>> neighbours(nodes.size());
-    for (const optimize::PoseGraphEdge& edge : joint_.graph.edges) {
-      if (!edge.enabled) continue;
-      const std::size_t from = joint_.node_of.at(edge.from);
-      const std::size_t to = joint_.node_of.at(edge.to);
-      neighbours[from].push_back(to);
-      neighbours[to].push_back(from);
-    }
-    std::vector<char> joined(nodes.size(), 0);
-    std::vector<std::size_t> reached = {0};
-    joined[0] = 1;
-    for (std::size_t i = 0; i < reached.size(); ++i) {
-      for (const std::size_t next : neighbours[reached[i]]) {
-        if (std::exchange(joined[next], 1) == 0) reached.push_back(next);
-      }
-    }
-    return joined;
-  }
-
   double Chi2At(const std::vector<optimize::PoseGraphNode>& nodes, const optimize::PoseGraphEdge& edge) const {
     const Eigen::Vector3d error =
         optimize::EdgeError(nodes[joint_.node_of.at(edge.from)].T_world_node,
@@ -328,8 +324,9 @@ class PlanSolve {
   const GraphOptimizationOptions& options_;
   JointGraph joint_;
   std::vector<PlanPart> parts_;
-  std::vector<char> is_sighting_;  // of each edge
-  std::vector<Judged> known_;      // link points
+  JointShafts shafts_;
+  std::vector<int> degrees_of_freedom_;  // of each edge
+  std::vector<Judged> known_;            // link points
   std::vector<Judged> judged_;
   std::vector<optimize::PoseGraphNode> begin_;
   optimize::SolveReport report_;
@@ -361,6 +358,7 @@ absl::StatusOr<SolvedGraph> SolveWithPlans(const GraphSnapshot& graph, SolvedGra
     });
     if (plans.empty()) return finish(std::move(without));
     ENFILADE_RETURN_IF_ERROR(solve.Run());
+    if (!solve.DisagreementOfLinkPoints().empty() && solve.SwitchOffShafts()) ENFILADE_RETURN_IF_ERROR(solve.Run());
     std::vector<PlanUse> attempted;
     for (const PlanPart& part : solve.parts()) attempted.push_back(solve.UseOf(part));
     const auto is_contradicted = [](const PlanUse& use) { return !use.contradiction.empty(); };

@@ -21,9 +21,13 @@ namespace enfilade::graph {
 // switched off comes back at most once. A map that only plans join is posed if its position is known to a metre and its
 // yaw to 5 degrees, in standard deviations; its covariance has 0.03 m and 0.2 degrees more, because SLAM bends maps.
 //
+// Shafts that plans of several levels have in common tie these (AddShafts). They are judged likewise, and are switched
+// off first where link points no longer agree.
+//
 // A plan contradicts the maps if more than half of its sightings are switched off, if it would have to be bent too much
 // (chi-squared of struts and sightings beyond twice its 0.999 quantile), if a wall that was seen would be stretched
-// to less than 0.7 or more than 1.4 of its length, or if link points no longer agree with the poses (0.999 quantile of
+// to less than 0.7 or more than 1.4 of its length, if its shafts disagree with two plans of other levels and more
+// (ContradictionOfShafts), or if link points no longer agree with the poses (0.999 quantile of
 // chi-squared of all of them, or a tenth more than without plans, whatever is more). Such a plan is left out, and if
 // none is left the result is `without`, but for `plans`.
 absl::StatusOr<SolvedGraph> SolveWithPlans(const GraphSnapshot& graph, SolvedGraph without,

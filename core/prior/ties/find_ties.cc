@@ -10,6 +10,7 @@
 
 #include "core/prior/alignment/fitted_line.h"
 #include "core/prior/ties/plan_frame.h"
+#include "core/prior/ties/shafts_of_plan.h"
 
 namespace enfilade::prior {
 namespace {
@@ -96,7 +97,7 @@ graph::PlanTies FindTies(const PlanGraph& plan, const PlanTransform& T_plan_shee
                             .yaw_sigma = std::max(kLeastYawSigma, kAcrossSigma / line->length())}});
     }
   }
-  PlanFrame frame = FrameOf(plan, T_plan_sheet, is_seen);
+  PlanFrame frame = FrameOf(plan, T_plan_sheet, WithWallsOfShafts(plan, T_plan_sheet, is_seen));
   graph::PlanTies ties;
   ties.corner_sigma = std::max(kLeastCornerSigma, corrected.corner_sigma());
   ties.stretch_sigma = kStretchSigma;
@@ -116,6 +117,7 @@ graph::PlanTies FindTies(const PlanGraph& plan, const PlanTransform& T_plan_shee
     if (has_seen) ties.maps.push_back({map.id, map.T_plan_map});
   }
   std::sort(ties.maps.begin(), ties.maps.end(), [](const auto& a, const auto& b) { return a.map < b.map; });
+  ties.shafts = NamedShafts(plan, T_plan_sheet, frame);
   ties.corners = std::move(frame.corners);
   ties.struts = std::move(frame.struts);
   return ties;

@@ -19,7 +19,7 @@ struct PlanFrame {
 
 // The walls and doors of the plan, walls that end within 0.05 m of each other joined, without parts of it that no wall
 // of `is_seen` is in and without ends that lead to none, and the shortest ways between parts that nothing joins. Empty
-// if no wall is seen. `T_plan_sheet`: to metres.
+// if no wall is seen. Walls that are needed for something else count as seen. `T_plan_sheet`: to metres.
 PlanFrame FrameOf(const PlanGraph& plan, const PlanTransform& T_plan_sheet, const std::vector<char>& is_seen);
 
 }  // namespace enfilade::prior

@@ -56,7 +56,8 @@ absl::StatusOr<std::vector<graph::PlanInGraph>> ReadPlans(const storage::GraphSt
                             store.ReadPlanTies(context, site, known));
   std::vector<graph::PlanInGraph> plans;
   for (const storage::StoredPlanTies& one : stored) {
-    graph::PlanInGraph& plan = plans.emplace_back(graph::PlanInGraph{one.prior_map, one.sha256});
+    graph::PlanInGraph& plan = plans.emplace_back(
+        graph::PlanInGraph{.id = one.prior_map, .sha256 = one.sha256, .ties = {}, .level = one.level});
     const auto found = std::find(known.begin(), known.end(), one.sha256);
     if (found != known.end()) {
       // A map that has been taken from the ties does not come back into the same ones.

@@ -18,6 +18,7 @@
 #include "core/prior/ties/find_ties.h"
 #include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/raster_revision.h"
+#include "server/app/priors/level_apart.h"
 #include "server/app/priors/plans_beside.h"
 #include "server/app/priors/stored_plan.h"
 
@@ -32,14 +33,6 @@ constexpr int kMapsPage = 1000;
 constexpr std::size_t kMostUnjoined = 16;
 constexpr double kLeastWalls = 20.0;  // m, of such a map
 
-struct LevelMap {
-  MapId id;
-  Pose2 T_world_map;  // not of maps that no link points join to the root
-  grid::OccupancyGrid grid;
-  prior::MapEvidence evidence;
-  TimeNs create_time = 0;
-};
-
 // The graph without its plans: they must not confirm what they have made.
 absl::StatusOr<graph::WorldPoses> WithoutPlans(const graph::GraphSnapshot& graph) {
   graph::SnapshotChanges changes{.version = graph.version(), .plans = std::vector<graph::PlanInGraph>()};
@@ -51,11 +44,16 @@ absl::StatusOr<graph::WorldPoses> WithoutPlans(const graph::GraphSnapshot& graph
 }
 
 absl::StatusOr<std::vector<prior::ControlPair>> InWorld(const std::vector<storage::PriorMapPair>& pairs,
-                                                        const std::vector<LevelMap>& maps) {
+                                                        const LevelMaps& level) {
+  const std::vector<LevelMap>& maps = level.maps;
   std::vector<prior::ControlPair> in_world;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const storage::PriorMapPair& pair = pairs[i];
     Eigen::Vector2d point = pair.point_map;
+    if (pair.map.empty() && level.is_apart) {
+      return InvalidArgument(
+          "pairs[{}].map: expected a map, because none of the plan's level is joined to the root map", i);
+    }
     if (!pair.map.empty()) {
       const auto map = std::find_if(maps.begin(), maps.end(), [&](const LevelMap& one) { return one.id == pair.map; });
       if (map == maps.end()) {
@@ -112,13 +110,6 @@ absl::StatusOr<std::vector<storage::NewPriorMapFile>> ProductsOf(const prior::Pl
 
 }  // namespace
 
-struct PriorAlignment::Level {
-  std::vector<LevelMap> maps;      // with walls and a place in the world, by id
-  std::vector<LevelMap> unjoined;  // with walls, the most first
-  std::int64_t graph_version = 0;
-  std::shared_ptr<const graph::PlanTies> ties;  // of the plan that is aligned, if it is in use
-};
-
 absl::StatusOr<grid::MapRaster> PriorAlignment::ReadRaster(const storage::CallContext& context,
                                                            const storage::Map& map) const {
   ENFILADE_ASSIGN_OR_RETURN(const storage::MapRevision revision,
@@ -126,11 +117,10 @@ absl::StatusOr<grid::MapRaster> PriorAlignment::ReadRaster(const storage::CallCo
   return ReadEvidence(context, {blobs_, revisions_}, revision);
 }
 
-absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::CallContext& context,
-                                                                const storage::PriorMap& prior_map) const {
+absl::StatusOr<LevelMaps> PriorAlignment::ReadLevel(const storage::CallContext& context,
+                                                    const storage::PriorMap& prior_map) const {
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(context, prior_map.site));
-  Level level;
-  level.graph_version = graph->graph().version();
+  LevelMaps level{.graph = graph};
   for (const graph::PlanInGraph& plan : graph->graph().plans()) {
     if (plan.id == prior_map.id) level.ties = plan.ties;
   }
@@ -154,7 +144,7 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
       if (*place && !evidence.walls.empty()) {
         level.maps.push_back(
             {map.id, (*place)->T_world_robot.pose, std::move(grid), std::move(evidence), map.create_time});
-      } else if (evidence.wall_length() >= kLeastWalls) {
+      } else if (!evidence.walls.empty()) {
         level.unjoined.push_back({map.id, {}, std::move(grid), std::move(evidence), map.create_time});
       }
     }
@@ -164,11 +154,17 @@ absl::StatusOr<PriorAlignment::Level> PriorAlignment::ReadLevel(const storage::C
   std::stable_sort(level.unjoined.begin(), level.unjoined.end(), [](const LevelMap& a, const LevelMap& b) {
     return a.evidence.walls.size() > b.evidence.walls.size();
   });
-  if (level.unjoined.size() > kMostUnjoined) level.unjoined.resize(kMostUnjoined);
   if (level.maps.empty()) {
-    return FailedPrecondition("no map of level {} has walls and is joined to the root map of {}", prior_map.level,
-                              NameOf(prior_map.site));
+    ENFILADE_RETURN_IF_ERROR(LayOutApart(poses.graph(), level));
+    ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, ReadStoredPlan(context, prior_maps_, blobs_, prior_map));
+    ENFILADE_RETURN_IF_ERROR(CheckShafts(plan, prior_map, level));
+    if (level.ties == nullptr && prior_map.alignment) {
+      ENFILADE_ASSIGN_OR_RETURN(const auto ties, ReadTies(context, prior_maps_, blobs_, prior_map.site, prior_map.id));
+      if (ties) level.ties = std::make_shared<const graph::PlanTies>(*ties);
+    }
   }
+  std::erase_if(level.unjoined, [](const LevelMap& map) { return map.evidence.wall_length() < kLeastWalls; });
+  if (level.unjoined.size() > kMostUnjoined) level.unjoined.resize(kMostUnjoined);
   return level;
 }
 
@@ -176,12 +172,12 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
                                                       const storage::PriorMap& prior_map,
                                                       const std::vector<storage::PriorMapPair>& pairs, bool from_last,
                                                       bool activate) const {
-  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  ENFILADE_ASSIGN_OR_RETURN(LevelMaps level, ReadLevel(context, prior_map));
   Placement placement{.options = {},
                       .accepted_state = activate ? storage::PriorMapState::kActive : storage::PriorMapState::kProposed};
-  ENFILADE_ASSIGN_OR_RETURN(placement.options.pairs, InWorld(pairs, level.maps));
+  ENFILADE_ASSIGN_OR_RETURN(placement.options.pairs, InWorld(pairs, level));
   if (from_last) placement.options.start = PlaceNow(prior_map, level);
-  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
+  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, std::move(level), placement));
   if (aligned.outcome.alignment) aligned.outcome.alignment->pairs = from_last ? prior_map.alignment->pairs : pairs;
   return aligned;
 }
@@ -189,10 +185,10 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Align(const storage::CallContext
 absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallContext& context,
                                                            const storage::PriorMap& prior_map) const {
   if (!prior_map.alignment) return FailedPrecondition("{} was never aligned", NameOf(prior_map.site, prior_map.id));
-  ENFILADE_ASSIGN_OR_RETURN(const Level level, ReadLevel(context, prior_map));
+  ENFILADE_ASSIGN_OR_RETURN(LevelMaps level, ReadLevel(context, prior_map));
   Placement placement{.options = {}, .accepted_state = prior_map.state};
   placement.options.start = PlaceNow(prior_map, level);
-  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, level, placement));
+  ENFILADE_ASSIGN_OR_RETURN(AlignedPriorMap aligned, Fit(context, prior_map, std::move(level), placement));
   if (aligned.outcome.alignment) {
     aligned.outcome.alignment->pairs = prior_map.alignment->pairs;
     aligned.outcome.alignment->rival_ratio = prior_map.alignment->rival_ratio;
@@ -203,51 +199,73 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::AlignAgain(const storage::CallCo
   return aligned;
 }
 
-prior::PlanTransform PriorAlignment::PlaceNow(const storage::PriorMap& prior_map, const Level& level) {
+prior::PlanTransform PriorAlignment::PlaceNow(const storage::PriorMap& prior_map, const LevelMaps& level) {
   const Pose2 T_now_then = level.ties == nullptr ? Pose2{} : MovedSince(*level.ties, level.maps);
   return T_now_then * prior_map.alignment.value().T_world_sheet;
 }
 
 absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& context,
-                                                    const storage::PriorMap& prior_map, const Level& level,
+                                                    const storage::PriorMap& prior_map, LevelMaps level,
                                                     const Placement& placement) const {
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, ReadStoredPlan(context, prior_maps_, blobs_, prior_map));
   prior::FitOptions options = placement.options;
   for (prior::ControlPair& pair : options.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
+  AlignedPriorMap aligned;
+  std::vector<prior::ControlPair> pairs = options.pairs;  // in the world
+  std::optional<ApartLevelPlace> apart;
+  if (level.is_apart) {
+    ENFILADE_ASSIGN_OR_RETURN(apart, PlaceApartLevel(plan, prior_map, level, options));
+    aligned.outcome.reason = apart->reason;
+    if (!apart->T_world_level) return aligned;
+    const Pose2& T_world_level = *apart->T_world_level;
+    for (LevelMap& map : level.maps) map.T_world_map = T_world_level * map.T_world_map;
+    for (prior::ControlPair& pair : pairs) pair.point_map = T_world_level * pair.point_map;
+    options.pairs.clear();
+    options.start = T_world_level * apart->T_level_sheet;
+  }
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid joined, Joined(level.maps));
   std::vector<grid::OccupancyGrid> grids;
   grids.push_back(std::move(joined));
   for (const LevelMap& map : level.unjoined) grids.push_back(map.grid);
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanFit fit, prior::FitPlan(plan, grids, options));
 
-  AlignedPriorMap aligned;
-  aligned.outcome.reason = fit.alignment.reason;
+  aligned.outcome.reason = apart && fit.alignment.accepted ? apart->reason : fit.alignment.reason;
   if (!fit.alignment.accepted) return aligned;
+  std::vector<prior::MapOfPlan> maps;
+  for (const LevelMap& map : level.maps) maps.push_back({map.id, &map.evidence, map.T_world_map});
+  for (std::size_t i = 0; i < level.unjoined.size(); ++i) {
+    const std::optional<Pose2>& T_world_map = fit.maps[i + 1].T_first_map;
+    if (T_world_map) maps.push_back({level.unjoined[i].id, &level.unjoined[i].evidence, *T_world_map});
+  }
+  const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
+  if (!apart) {
+    ENFILADE_ASSIGN_OR_RETURN(std::string objection, ObjectionOfShafts(level.graph->graph(), prior_map, ties));
+    if (!objection.empty()) {
+      aligned.outcome.reason = std::move(objection);
+      return aligned;
+    }
+  }
   aligned.outcome.state = placement.accepted_state;
   storage::PriorMapAlignment& alignment = aligned.outcome.alignment.emplace();
   alignment.T_world_sheet = fit.alignment.T_map_sheet;
   alignment.model = fit.alignment.model;
   alignment.explained = fit.corrected->agreement().explained;
   alignment.contradicted = fit.corrected->agreement().contradicted();
-  alignment.rival_ratio = fit.alignment.rival_ratio;
-  std::vector<prior::MapOfPlan> maps;
+  alignment.rival_ratio = apart ? apart->rival_ratio : fit.alignment.rival_ratio;
   std::vector<TimeNs>& create_times = aligned.outcome.map_create_times.emplace();
   for (const LevelMap& map : level.maps) {
-    maps.push_back({map.id, &map.evidence, map.T_world_map});
     create_times.push_back(map.create_time);
+    if (level.is_apart) alignment.joined_maps.push_back(map.id);
   }
   for (std::size_t i = 0; i < level.unjoined.size(); ++i) {
-    const std::optional<Pose2>& T_world_map = fit.maps[i + 1].T_first_map;
-    if (!T_world_map) continue;
-    maps.push_back({level.unjoined[i].id, &level.unjoined[i].evidence, *T_world_map});
+    if (!fit.maps[i + 1].T_first_map) continue;
     create_times.push_back(level.unjoined[i].create_time);
-    alignment.joined_maps.push_back(maps.back().id);
+    alignment.joined_maps.push_back(level.unjoined[i].id);
   }
   for (const prior::MapOfPlan& map : maps) alignment.maps.push_back(map.id);
-  const graph::PlanTies ties = prior::FindTies(plan, fit.alignment.T_map_sheet, *fit.corrected, maps);
   alignment.tied_walls = static_cast<int>(ties.sightings.size());
-  alignment.graph_version = level.graph_version;
-  for (const prior::ControlPair& pair : options.pairs) {
+  alignment.graph_version = level.graph->graph().version();
+  for (const prior::ControlPair& pair : pairs) {
     aligned.pair_residuals.push_back((fit.corrected->Locate(pair.point_sheet).point - pair.point_map).norm());
   }
   const bool is_put_to_use =

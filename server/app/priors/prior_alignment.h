@@ -7,6 +7,7 @@
 #include "core/grid/map_raster.h"
 #include "core/prior/fit/fit_plan.h"
 #include "server/app/graph/site_graphs.h"
+#include "server/app/priors/level_maps.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_store.h"
@@ -22,7 +23,8 @@ struct AlignedPriorMap {
 };
 
 // Finds plans in the maps of their level, as they lie in the world by the graph, without what plans have done to it,
-// and in those that no link points join to the root map, each by itself. Thread-safe; each call computes for seconds.
+// and in those that no link points join to the root map, each by itself. If none of the level is joined to it, the
+// shafts of the plan say where the level lies (level_apart.h). Thread-safe; each call computes for seconds.
 class PriorAlignment {
  public:
   PriorAlignment(const storage::PriorMapStore& prior_maps, const storage::MapReader& maps,
@@ -31,7 +33,8 @@ class PriorAlignment {
 
   // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist;
   // without pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the level;
-  // FAILED_PRECONDITION: no map of the level has walls and a place in the world; DATA_LOSS.
+  // FAILED_PRECONDITION: no map of the level has walls and a place in the world, and the plan has no two shafts that
+  // plans in use of other levels have; DATA_LOSS.
   absl::StatusOr<AlignedPriorMap> Align(const storage::CallContext& context, const storage::PriorMap& prior_map,
                                         const std::vector<storage::PriorMapPair>& pairs, bool from_last,
                                         bool activate) const;
@@ -42,7 +45,6 @@ class PriorAlignment {
                                              const storage::PriorMap& prior_map) const;
 
  private:
-  struct Level;
   // How the plan is placed in the level's maps.
   struct Placement {
     prior::FitOptions options;
@@ -50,11 +52,11 @@ class PriorAlignment {
   };
 
   // By its last alignment, and by how the maps have moved since.
-  static prior::PlanTransform PlaceNow(const storage::PriorMap& prior_map, const Level& level);
+  static prior::PlanTransform PlaceNow(const storage::PriorMap& prior_map, const LevelMaps& level);
   absl::StatusOr<AlignedPriorMap> Fit(const storage::CallContext& context, const storage::PriorMap& prior_map,
-                                      const Level& level, const Placement& placement) const;
+                                      LevelMaps level, const Placement& placement) const;
 
-  absl::StatusOr<Level> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
+  absl::StatusOr<LevelMaps> ReadLevel(const storage::CallContext& context, const storage::PriorMap& prior_map) const;
   absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::Map& map) const;
 
   const storage::PriorMapStore& prior_maps_;

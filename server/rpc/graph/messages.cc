@@ -109,6 +109,7 @@ void Fill(const SiteId& site, const graph::GlobalPose& pose, v1::GlobalPose& out
     v1::PriorHop& message = *out.add_prior_hops();
     message.set_prior_map(NameOf(site, hop.plan));
     if (hop.wall >= 0) message.set_wall(hop.wall);
+    message.set_shaft(hop.shaft);
     convert::SetMatrix(hop.share, message.mutable_share());
   }
 }

@@ -46,6 +46,7 @@ absl::StatusOr<v1::AlignPriorMapResponse> AlignPriorMap(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(
       const storage::PriorMap stored,
       services.prior_maps.SetOutcome(context, name.site, name.prior_map, prior_map.etag, aligned.outcome));
+  services.graphs.MarkChanged(name.site);  // plans of other levels may be aligned by this one next
   *response.mutable_prior_map() = ToProto(stored);
   return response;
 }

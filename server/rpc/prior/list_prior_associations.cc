@@ -17,15 +17,14 @@
 namespace enfilade::server {
 namespace {
 
-// Of the plan in use: how each of its ties fits. Empty if the graph has no such plan.
-absl::StatusOr<std::vector<graph::SightingUse>> UsesOf(const graph::GraphSnapshot& graph,
-                                                       const graph::PlanInGraph* plan) {
-  if (plan == nullptr || graph.root().empty()) return std::vector<graph::SightingUse>();
+// Of the plan in use: how its ties fit. Empty if the graph has no such plan.
+absl::StatusOr<graph::PlanUse> UseOf(const graph::GraphSnapshot& graph, const graph::PlanInGraph* plan) {
+  if (plan == nullptr || graph.root().empty()) return graph::PlanUse();
   ENFILADE_ASSIGN_OR_RETURN(const graph::SolvedGraph solution, graph::OptimizeGraph(graph));
   for (const graph::PlanUse& use : solution.plans) {
-    if (use.plan == plan->id) return use.sightings;
+    if (use.plan == plan->id) return use;
   }
-  return std::vector<graph::SightingUse>();
+  return graph::PlanUse();
 }
 
 v1::PriorAssociation ToProto(const SiteId& site, const graph::PlanTies& ties, const graph::WallSighting& sighting,
@@ -40,6 +39,16 @@ v1::PriorAssociation ToProto(const SiteId& site, const graph::PlanTies& ties, co
                              : v1::PriorAssociation::STATE_SWITCHED_OFF);
   out.set_across_m(use.across);
   out.set_turn_rad(use.turn);
+  out.set_chi2(use.chi2);
+  return out;
+}
+
+v1::PriorShaft ToProto(const SiteId& site, const graph::ShaftUse& use) {
+  v1::PriorShaft out;
+  out.set_name(use.name);
+  out.set_other_prior_map(NameOf(site, use.other));
+  out.set_state(use.used ? v1::PriorAssociation::STATE_USED : v1::PriorAssociation::STATE_SWITCHED_OFF);
+  out.set_distance_m(use.distance);
   out.set_chi2(use.chi2);
   return out;
 }
@@ -67,8 +76,8 @@ absl::StatusOr<v1::ListPriorAssociationsResponse> ListPriorAssociations(
     if (prior_map.alignment) decoded.KeepMaps(prior_map.alignment->maps);
     ties = std::make_shared<const graph::PlanTies>(std::move(decoded));
   }
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<graph::SightingUse> uses,
-                            UsesOf(graph->graph(), plan == plans.end() ? nullptr : &*plan));
+  ENFILADE_ASSIGN_OR_RETURN(graph::PlanUse use, UseOf(graph->graph(), plan == plans.end() ? nullptr : &*plan));
+  std::vector<graph::SightingUse>& uses = use.sightings;
   uses.resize(ties->sightings.size());
   std::vector<std::size_t> order(ties->sightings.size());
   std::iota(order.begin(), order.end(), 0);
@@ -81,6 +90,9 @@ absl::StatusOr<v1::ListPriorAssociationsResponse> ListPriorAssociations(
   const std::size_t end = std::min(order.size(), begin + static_cast<std::size_t>(size));
   for (std::size_t i = begin; i < end; ++i) {
     *response.add_associations() = ToProto(name.site, *ties, ties->sightings[order[i]], uses[order[i]]);
+  }
+  if (begin == 0) {
+    for (const graph::ShaftUse& shaft : use.shafts) *response.add_shafts() = ToProto(name.site, shaft);
   }
   if (end < order.size()) response.set_next_page_token(ToPageToken(std::to_string(end)));
   return response;

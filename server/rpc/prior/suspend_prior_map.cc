@@ -51,6 +51,7 @@ absl::StatusOr<Response> SetState(const Services& services, const Call& call, co
   ENFILADE_ASSIGN_OR_RETURN(
       const auto changed,
       services.prior_maps.SetOutcome(call.context(), name.site, name.prior_map, prior_map.etag, outcome));
+  services.graphs.MarkChanged(name.site);
   *response.mutable_prior_map() = ToProto(changed);
   return response;
 }

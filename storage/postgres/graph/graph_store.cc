@@ -80,7 +80,7 @@ constexpr Statement kSelectControlPoints{"reading control points",
 constexpr Statement kSelectPlanTies{
     "reading the ties of prior maps",
     "SELECT f.prior_map_id, f.sha256, CASE WHEN f.sha256 = ANY ($2) THEN ''::bytea ELSE b.data END,"
-    " coalesce(p.aligned_maps, '{}')"
+    " coalesce(p.aligned_maps, '{}'), p.level"
     " FROM enfilade.prior_maps p JOIN enfilade.prior_map_files f USING (site_id, prior_map_id)"
     " JOIN enfilade.blobs b ON b.site_id = f.site_id AND b.sha256 = f.sha256"
     " WHERE p.site_id = $1 AND p.state = 3 AND f.product = 6 ORDER BY f.prior_map_id"};
@@ -295,6 +295,7 @@ absl::StatusOr<std::vector<StoredPlanTies>> GraphStore::ReadPlanTies(const CallC
     ties.sha256 = row.Bytes();
     ties.bytes = row.Bytes();
     for (std::string& map : row.OptionalTexts()) ties.maps.emplace_back(std::move(map));
+    ties.level = row.Int32();
     return ties;
   });
 }

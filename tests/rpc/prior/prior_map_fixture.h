@@ -64,8 +64,11 @@ class PriorMapFixture : public ServerTest {
   // What robots have seen of the building becomes a map, in whose frame the plan lies as `place` says.
   void MapBuilding(const std::function<bool(const Eigen::Vector2d&)>& is_seen, const std::string& map = "m",
                    const prior::Placement& place = Truth) {
-    const auto files = grid::RenderFiles(grid::FromOccupancyGrid(prior::MapOf(prior::DrawnBuilding(), place, is_seen)),
-                                         "m", {.format = grid::MapFileFormat::kPng});
+    ImportGrid(prior::MapOf(prior::DrawnBuilding(), place, is_seen), map);
+  }
+  // As the newest revision of the map.
+  void ImportGrid(const grid::OccupancyGrid& grid, const std::string& map) const {
+    const auto files = grid::RenderFiles(grid::FromOccupancyGrid(grid), "m", {.format = grid::MapFileFormat::kPng});
     ASSERT_OK(files.status());
     const auto stub = v1::MapService::NewStub(connection_->channel());
     grpc::ClientContext context;

@@ -5,7 +5,8 @@
 
 namespace enfilade::graph {
 
-// Ties with one of everything: three corners, a wall and a door, two maps, and what one of them has seen of the wall.
+// Ties with one of everything: three corners, a wall and a door, two maps, what one of them has seen of the wall, and a
+// lift.
 inline PlanTies SampleTies() {
   PlanTies ties;
   ties.corners = {{0, 0}, {4, 0}, {4, 3}};
@@ -18,6 +19,7 @@ inline PlanTies SampleTies() {
                      .length = 2,
                      .across_sigma = 0.05,
                      .yaw_sigma = 0.01}};
+  ties.shafts = {{.name = "lift", .is_lift = true, .outline = {{1, 1}, {2, 1}, {2, 2}}, .held_by = {0, 1, 2}}};
   ties.corner_sigma = 0.2;
   ties.stretch_sigma = 0.05;
   return ties;

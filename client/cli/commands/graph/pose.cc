@@ -50,6 +50,7 @@ nlohmann::json ToJson(const v1::GlobalPose& pose) {
     nlohmann::json& out = json["prior_hops"].emplace_back(nlohmann::json{
         {"prior_map", hop.prior_map()}, {"share", std::vector<double>(hop.share().begin(), hop.share().end())}});
     if (hop.has_wall()) out["wall"] = hop.wall();
+    if (!hop.shaft().empty()) out["shaft"] = hop.shaft();
   }
   for (const v1::PoseHop& hop : pose.hops()) {
     json["hops"].push_back({{"link_point", hop.link_point()},
@@ -89,8 +90,10 @@ void PrintPose(const Globals& globals, const v1::GlobalPose& pose, bool one_line
   for (const std::string& plan : pose.prior_maps()) std::cout << fmt::format("  by plan {}\n", IdOf(plan));
   for (const v1::PriorHop& hop : pose.prior_hops()) {
     const double variance = hop.share_size() == 9 ? hop.share(0) + hop.share(4) : 0.0;
-    std::cout << fmt::format("    {} of {}: {:.1f} % of the position's variance\n",
-                             hop.has_wall() ? fmt::format("wall {}", hop.wall()) : "all else", IdOf(hop.prior_map()),
+    const std::string what = hop.has_wall()         ? fmt::format("wall {}", hop.wall())
+                             : !hop.shaft().empty() ? fmt::format("shaft {}", hop.shaft())
+                                                    : "all else";
+    std::cout << fmt::format("    {} of {}: {:.1f} % of the position's variance\n", what, IdOf(hop.prior_map()),
                              100.0 * variance / PositionVariance(pose.pose_world_robot()));
   }
   if (!one_line) {

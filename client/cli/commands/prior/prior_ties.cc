@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `enfilade prior associations` and `doors`.
+// `enfilade prior associations`, `shafts` and `doors`.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -41,6 +41,20 @@ std::vector<std::string> AssociationRow(const v1::PriorAssociation& one) {
           fmt::format("{:+.3f}", one.across_m()),
           fmt::format("{:+.2f}", one.turn_rad() / kDegree),
           fmt::format("{:.1f}", one.chi2())};
+}
+
+nlohmann::json ShaftToJson(const v1::PriorShaft& shaft) {
+  return {{"name", shaft.name()},
+          {"other_prior_map", shaft.other_prior_map()},
+          {"state", EnumText(v1::PriorAssociation::State_Name(shaft.state()), "STATE_")},
+          {"distance_m", shaft.distance_m()},
+          {"chi2", shaft.chi2()}};
+}
+
+std::vector<std::string> ShaftRow(const v1::PriorShaft& shaft) {
+  return {shaft.name(), IdOf(shaft.other_prior_map()),
+          EnumText(v1::PriorAssociation::State_Name(shaft.state()), "STATE_"),
+          fmt::format("{:.3f}", shaft.distance_m()), fmt::format("{:.1f}", shaft.chi2())};
 }
 
 nlohmann::json DoorToJson(const v1::PredictedLinkPoint& door) {
@@ -86,6 +100,13 @@ void AddPriorTies(CLI::App& prior, const Globals& globals) {
             {"MAP", "WALL", "STATE", "LENGTH_M", "ACROSS_M", "TURN_DEG", "CHI2"}, AssociationToJson, AssociationRow);
       });
   associations->footer("Example: enfilade prior associations \"Ground floor\"");
+  CLI::App* shafts = AddCommand(
+      prior, "shafts", "List the lifts and stairs that tie a plan to those of other levels", [&globals, plan] {
+        return ListOfPlan<v1::PriorShaft>(
+            globals, *plan, &PriorMapStub::ListPriorAssociations, &v1::ListPriorAssociationsResponse::shafts,
+            {"SHAFT", "OTHER_PLAN", "STATE", "DISTANCE_M", "CHI2"}, ShaftToJson, ShaftRow);
+      });
+  shafts->footer("Example: enfilade prior shafts \"First floor\"");
   CLI::App* doors =
       AddCommand(prior, "doors", "List a plan's doors, and which of them have link points", [&globals, plan] {
         return ListOfPlan<v1::PredictedLinkPoint>(
@@ -93,7 +114,7 @@ void AddPriorTies(CLI::App& prior, const Globals& globals) {
             {"DOOR", "X_M", "Y_M", "WIDTH_M", "SIGMA_M", "SEEN", "LINK_POINT"}, DoorToJson, DoorRow);
       });
   doors->footer("Example: enfilade prior doors \"Ground floor\"");
-  for (CLI::App* command : {associations, doors}) {
+  for (CLI::App* command : {associations, shafts, doors}) {
     command->add_option("PLAN", *plan, "Its name, id or resource name")->required();
   }
 }

@@ -20,6 +20,15 @@ TEST(PlanTiesTest, AreReadAsTheyWereWritten) {
   EXPECT_EQ(read, SampleTies());
 }
 
+TEST(PlanTiesTest, WithoutShaftsTheyAreWhatEarlierServersRead) {
+  PlanTies ties = SampleTies();
+  ties.shafts.clear();
+  const std::string bytes = EncodePlanTies(ties);
+  EXPECT_EQ(bytes[0], 1);
+  ASSERT_OK_AND_ASSIGN(const PlanTies read, DecodePlanTies(bytes));
+  EXPECT_EQ(read, ties);
+}
+
 TEST(PlanTiesTest, WhatWasSeenInOtherMapsIsDropped) {
   PlanTies ties = SampleTies();
   ties.KeepMaps({M("a"), M("c")});
@@ -75,8 +84,12 @@ TEST(PlanTiesTest, WhatMakesNoSenseIsRefused) {
   refused([](PlanTies& ties) { ties.sightings[0].across_sigma = 0; });
   refused([](PlanTies& ties) { ties.maps[1].T_plan_map.x = std::numeric_limits<double>::quiet_NaN(); });
   refused([](PlanTies& ties) { ties.corner_sigma = -1; });
+  refused([](PlanTies& ties) { ties.shafts[0].held_by[1] = 3; });
+  refused([](PlanTies& ties) { ties.shafts[0].outline.resize(2), ties.shafts[0].held_by.resize(2); });
+  refused([](PlanTies& ties) { ties.shafts[0].name = ""; });
+  refused([](PlanTies& ties) { ties.shafts[0].outline[2].y() = std::numeric_limits<double>::infinity(); });
   std::string newer = EncodePlanTies(SampleTies());
-  newer[0] = 2;
+  newer[0] = 3;
   EXPECT_CODE(DecodePlanTies(newer), absl::StatusCode::kFailedPrecondition);
 }
 

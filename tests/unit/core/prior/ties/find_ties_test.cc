@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <queue>
 #include <set>
@@ -87,6 +88,44 @@ TEST_F(FindTiesTest, WallsAreWhereTheyAreBuilt) {
     }
   }
   EXPECT_EQ(reached.size(), ties_.corners.size());
+}
+
+TEST_F(FindTiesTest, ShaftsWithANameAreHeldByTheCornersAroundThem) {
+  const auto add = [&](const std::string& name, double x, double y) {  // m
+    plan_.shafts.push_back(
+        {ShaftKind::kLift,
+         {{20 * x, 20 * y}, {20 * x + 40, 20 * y}, {20 * x + 40, 20 * y + 32}, {20 * x, 20 * y + 32}},
+         name});
+  };
+  add("A", 12.2, 0.2);
+  add("", 26.2, 0.2);
+  add("B", 41.8, 14.2);
+  Fit(plan_);
+  ASSERT_EQ(ties_.shafts.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const graph::ShaftInPlan& shaft = ties_.shafts[i];
+    EXPECT_EQ(shaft.name, i == 0 ? "A" : "B");
+    EXPECT_TRUE(shaft.is_lift);
+    const Eigen::Vector2d middle = i == 0 ? Eigen::Vector2d(13.2, 1.0) : Eigen::Vector2d(42.8, 15.0);
+    EXPECT_LT((shaft.middle() - Truth()(20 * middle)).norm(), 0.1);
+    double area = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d a = shaft.outline[k] - shaft.middle(), b = shaft.outline[(k + 1) % 4] - shaft.middle();
+      area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+    }
+    EXPECT_NEAR(area, 3.2, 0.1) << "counter-clockwise";
+  }
+  // The nearest corner of the room that it stands in.
+  const auto holder = [&](std::size_t shaft, const Eigen::Vector2d& built) {
+    double least = 1e9;
+    for (const int corner : ties_.shafts[shaft].held_by) {
+      least = std::min(least, (ties_.corners[static_cast<std::size_t>(corner)] - Truth()(20 * built)).norm());
+    }
+    return least;
+  };
+  EXPECT_LT(holder(0, {12.0, 0.0}), 0.1);
+  EXPECT_LT(holder(1, {44.0, 16.0}), 0.1);
+  EXPECT_OK(graph::DecodePlanTies(graph::EncodePlanTies(ties_)).status());
 }
 
 TEST_F(FindTiesTest, TheGraphPosesAMapByThem) {
