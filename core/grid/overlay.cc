@@ -150,8 +150,7 @@ void OverlayOnto(OccupancyGrid& grid, const OccupancyGrid& layer) {
   const CellIndex origin = BoxOf(grid).min;
   for (int row = 0; row < layer.geometry.height; ++row) {
     const std::uint8_t* over = &layer.cells[layer.geometry.index(0, row)];
-    std::uint8_t* cell =
-        &grid.cells[grid.geometry.index(offset.column - origin.column, offset.row - origin.row + row)];
+    std::uint8_t* cell = &grid.cells[grid.geometry.index(offset.column - origin.column, offset.row - origin.row + row)];
     for (const std::uint8_t* end = over + layer.geometry.width; over != end; ++over, ++cell) {
       if (*over != kUnknownCell) *cell = Overlay(*cell, *over);
     }

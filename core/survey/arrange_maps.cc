@@ -22,11 +22,7 @@ class MapArranger {
  public:
   MapArranger(const LevelSurvey& survey, const SurveyOptions& options, const std::function<std::string()>& new_id,
               RoomsOfDrives found)
-      : survey_(survey),
-        map_name_(options.map_name),
-        reach_(options.reach),
-        new_id_(new_id),
-        found_(std::move(found)) {
+      : survey_(survey), map_name_(options.map_name), reach_(options.reach), new_id_(new_id), found_(std::move(found)) {
     DeferLaterCuts();
   }
 
@@ -275,9 +271,8 @@ class MapArranger {
       if (map.busy || targets == driven_into_.end() || targets->second.contains(map.id)) continue;
       const auto most = std::max_element(targets->second.begin(), targets->second.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
-      const bool rides_stay = std::any_of(map.rides.begin(), map.rides.end(), [&](const Ride& ride) {
-        return !moved_rides_.contains(ride.session);
-      });
+      const bool rides_stay = std::any_of(map.rides.begin(), map.rides.end(),
+                                          [&](const Ride& ride) { return !moved_rides_.contains(ride.session); });
       if (rides_stay && !survey_.cabins.contains(most->first)) continue;
       for (const Ride& ride : map.rides) {
         if (!moved_rides_.contains(ride.session)) MoveRide(ride, map.id, most->first);

@@ -71,8 +71,7 @@ absl::StatusOr<MappedDrive> GrowingDrive::Extend(const Feed& feed) {
 
 std::size_t GrowingDrive::bytes() const {
   std::size_t bytes = sizeof(*this) + checkpoint_.size() + stored_.nodes.size() * sizeof(slam::SlamNode) +
-                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint) +
-                      tail_.size() * sizeof(sensor::Record);
+                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint) + tail_.size() * sizeof(sensor::Record);
   for (const auto& [id, submap] : stored_.submaps) bytes += sizeof(submap) + submap.content.size();
   return bytes;
 }

@@ -30,8 +30,8 @@ struct MappedDrive {
 // thread-safe.
 class GrowingDrive {
  public:
-  // Of scans, only keyframes are mapped: those that a session's own mapping has chosen. Of the others the last one alone
-  // is used, to tell where the drive ends. `is_keyframe` says nothing about other records.
+  // Of scans, only keyframes are mapped: those that a session's own mapping has chosen. Of the others the last one
+  // alone is used, to tell where the drive ends. `is_keyframe` says nothing about other records.
   using Add = std::function<void(sensor::Record record, bool is_keyframe)>;
   using Feed = std::function<absl::Status(const Add& add)>;
 

@@ -92,8 +92,7 @@ TEST(ArrangeCabins, ADoorToAnotherLevelStaysTheCabinsIfMapsExchangeTheirRooms) {
   EXPECT_EQ(JoinedMaps(after), (std::multiset<std::set<std::string>>{{"a", "b"}, {"a", "upstairs"}}));
 
   // Entered from upstairs: the cabin is ahead.
-  survey.link_points[1] =
-      Join("d2", AnchorAt("upstairs", {}, {}), AnchorAt("b", kPlaceB, {1.5, 2.75, -M_PI / 2}));
+  survey.link_points[1] = Join("d2", AnchorAt("upstairs", {}, {}), AnchorAt("b", kPlaceB, {1.5, 2.75, -M_PI / 2}));
   const rearrange::Rearrangement change = Arrange(survey);
   EXPECT_EQ(JoinedMaps(After(survey, change)), JoinedMaps(after));
   const auto moved = std::find_if(change.link_points.begin(), change.link_points.end(),
