@@ -60,6 +60,7 @@ class Comparer {
       CollectAreas(truths_[i], places_[i]);
       ComparePoses(truths_[i], places_[i]);
     }
+    DropGaps();
     if (poses_ > 0) result_.position_rms = std::sqrt(squares_ / poses_);
     CompareAreas();
     CompareDoors();
@@ -100,6 +101,18 @@ class Comparer {
       });
       if (!near) area.maps[place->map] += seconds;
     }
+  }
+
+  // An area that nobody passed a door to, and that was driven over at once, is a gap between two doors: of a lift's
+  // cabin and of its shaft.
+  void DropGaps() {
+    std::set<std::string> entered;
+    for (const DriveTruth& truth : truths_) {
+      for (const PassedDoor& passage : truth.passages) entered.insert({passage.from, passage.to});
+    }
+    std::erase_if(areas_, [&](const auto& area) {
+      return !entered.contains(area.first) && TotalOf(area.second.all) <= options_.seconds;
+    });
   }
 
   void ComparePoses(const DriveTruth& truth, const std::vector<ScanPlace>& places) {

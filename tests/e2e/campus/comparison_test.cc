@@ -81,6 +81,18 @@ TEST_F(ComparisonTest, RightMapsAreExact) {
   EXPECT_LT(result.unmapped_s, 0.5);
 }
 
+TEST_F(ComparisonTest, AGapBetweenTwoDoorsIsNoRoom) {
+  truth_.poses[65].area = "gap";
+  truth_.poses[66].area = "gap";
+  Comparison result = Result();
+  EXPECT_EQ(result.areas, 3);
+  EXPECT_TRUE(result.exact) << ::testing::PrintToString(result.wrong);
+  for (int i = 67; i < 80; ++i) truth_.poses[static_cast<std::size_t>(i)].area = "gap";  // stayed there
+  result = Result();
+  EXPECT_EQ(result.areas, 4);
+  EXPECT_EQ(result.areas_missing, 1);
+}
+
 TEST_F(ComparisonTest, TwoRoomsInOneMap) {
   for (client::MappedStretch& stretch : stretches()) stretch.map = stretch.map == "mC" ? "mB" : stretch.map;
   state_.maps.pop_back();
