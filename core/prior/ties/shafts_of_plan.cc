@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/prior/plan/room_names.h"
+
 namespace enfilade::prior {
 namespace {
 
@@ -13,17 +15,6 @@ double DistanceTo(const Vector2d& point, const Vector2d& from, const Vector2d& t
   const Vector2d way = to - from;
   const double share = std::clamp((point - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
   return (from + share * way - point).norm();
-}
-
-// Twice the area within, positive if the outline goes round counter-clockwise where y points up.
-double TwiceArea(const std::vector<Vector2d>& outline) {
-  double area = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vector2d& a = outline[i];
-    const Vector2d& b = outline[(i + 1) % outline.size()];
-    area += a.x() * b.y() - a.y() * b.x();
-  }
-  return area;
 }
 
 // -1: there is none.
@@ -66,7 +57,7 @@ std::vector<graph::ShaftInPlan> NamedShafts(const PlanGraph& plan, const PlanTra
     shaft.name = drawn.name;
     shaft.is_lift = drawn.kind == ShaftKind::kLift;
     for (const Vector2d& corner : drawn.outline) shaft.outline.push_back(T_plan_sheet(corner));
-    if (TwiceArea(shaft.outline) < 0) std::reverse(shaft.outline.begin(), shaft.outline.end());
+    if (AreaOf(shaft.outline) < 0) std::reverse(shaft.outline.begin(), shaft.outline.end());
     for (const Vector2d& corner : shaft.outline) shaft.held_by.push_back(Nearest(corner, frame.corners));
   }
   return shafts;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "perception/plan/walls/wall_openings.h"
+#include "perception/plan/walls/weighted_median.h"
 
 namespace enfilade::perception {
 namespace {
@@ -31,18 +32,10 @@ std::vector<Opening> OnePerEnd(const std::vector<Opening>& openings, const Order
 // The width of a door in this plan: the median of what each end opens to first, by how likely these are doors.
 double UsualWidth(const std::vector<Opening>& openings) {
   std::vector<std::pair<double, double>> widths;  // and their weights
-  double total = 0;
   for (const Opening& opening : OnePerEnd(openings, [](const Opening& o) { return (1 + o.strangeness) * o.Width(); })) {
     widths.emplace_back(opening.Width(), std::exp(-opening.strangeness / 2));
-    total += widths.back().second;
   }
-  std::sort(widths.begin(), widths.end());
-  double below = 0;
-  for (const auto& [width, weight] : widths) {
-    below += weight;
-    if (below >= total / 2) return width;
-  }
-  return 0;
+  return WeightedMedian(std::move(widths));
 }
 
 }  // namespace

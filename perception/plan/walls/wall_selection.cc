@@ -9,6 +9,7 @@
 
 #include "perception/plan/walls/convex_hull.h"
 #include "perception/plan/walls/door_swings.h"
+#include "perception/plan/walls/weighted_median.h"
 
 namespace enfilade::perception {
 namespace {
@@ -182,19 +183,10 @@ class Selection {
   template <typename Among>
   double UsualWidth(const Among& among) const {
     std::vector<std::pair<double, double>> widths;  // width, length
-    double total = 0;
     for (std::size_t i = 0; i < kept_.size(); ++i) {
-      if (!among(i)) continue;
-      widths.emplace_back(Width(i), Length(i));
-      total += Length(i);
+      if (among(i)) widths.emplace_back(Width(i), Length(i));
     }
-    std::sort(widths.begin(), widths.end());
-    double below = 0;
-    for (const auto& [width, length] : widths) {
-      below += length;
-      if (below >= total / 2) return width;
-    }
-    return 0;
+    return WeightedMedian(std::move(widths));
   }
 
   // The ranges of width that the kept strokes fall into, the widest first.
