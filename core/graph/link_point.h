@@ -55,6 +55,7 @@ struct LinkPoint {
   // The end of `state`; afterwards the place counts as open. Unset: no end.
   std::optional<TimeNs> state_valid_until = {};
   LinkPointUse use = LinkPointUse::kUsed;
+  bool pinned = false;             // people have placed it: surveys neither move nor remove it
   std::int64_t graph_version = 0;  // of the site at its last change
 
   bool is_candidate() const { return anchors.size() < 2; }

@@ -97,6 +97,15 @@ class DoorArranger {
     return found != nullptr && found->stays();
   }
 
+  // People have placed it, or decided about a map that it leads to. `but`: maps that do not count.
+  bool IsPinned(const graph::LinkPoint& link_point, const std::set<MapId>& but = {}) const {
+    return link_point.pinned ||
+           std::any_of(link_point.anchors.begin(), link_point.anchors.end(), [&](const graph::Anchor& anchor) {
+             const SurveyedMap* map = survey_.FindMap(anchor.map);
+             return map != nullptr && map->pinned && !but.contains(anchor.map);
+           });
+  }
+
   // Unset: in a map that was not surveyed.
   std::optional<Pose2> PlaceOfAnchor(const graph::Anchor& anchor) const {
     const auto map = plan_.T_level_map.find(anchor.map);
@@ -201,6 +210,7 @@ class DoorArranger {
     places_.push_back(door.T_level_door);
     const graph::LinkPoint* existing = FindExisting(door, *from, *to);
     if (existing != nullptr) settled_.insert(existing->id);
+    if (existing != nullptr && IsPinned(*existing, {*from, *to})) return Keep(*existing);
     if (existing != nullptr && IsRight(*existing, *from, *to)) return Arrange(*existing, existing);
     graph::LinkPoint link_point;
     if (existing != nullptr) {
@@ -284,10 +294,10 @@ class DoorArranger {
     const bool door = IsDoor(link_point);
     const bool busy = std::any_of(link_point.anchors.begin(), link_point.anchors.end(),
                                   [&](const graph::Anchor& anchor) { return IsBusy(anchor.map); });
-    if (link_point.is_candidate()) {
+    if (link_point.is_candidate() && !link_point.pinned) {
       const std::optional<Pose2> place = PlaceOfAnchor(link_point.anchors.front());
       if (place && (IsKnownDoorAhead(*place) || IsOpenAhead(*place))) return Remove(link_point);
-    } else if (door && !busy && IsSurveyed(link_point) && !LeadsToCabin(link_point) &&
+    } else if (door && !busy && IsSurveyed(link_point) && !LeadsToCabin(link_point) && !IsPinned(link_point) &&
                link_point.use != graph::LinkPointUse::kSuspended) {
       return Remove(link_point);
     }

@@ -94,12 +94,38 @@ class MapArranger {
                            pair.second);
     }
     std::sort(choices.begin(), choices.end());
-    std::set<MapId> taken;
+    std::set<MapId> taken = ChoosePinnedMaps();
     for (const auto& [not_root, not_busy, length, room, map] : choices) {
       if (plan_.map_of_room.contains(room) || taken.contains(map)) continue;
       plan_.map_of_room[room] = map;
       taken.insert(map);
     }
+  }
+
+  // A pinned map may be that of several rooms: those that it was driven in farther than a session goes on behind its
+  // door, or farther than any other map. Returns the pinned maps.
+  std::set<MapId> ChoosePinnedMaps() {
+    constexpr double kBehindDoor = 4.0;  // m
+    std::set<MapId> pinned;
+    std::map<int, double> farthest;         // m, by room
+    std::map<int, double> farthest_pinned;  // m, by room
+    for (const auto& [pair, length] : driven_) farthest[pair.first] = std::max(farthest[pair.first], length);
+    for (const auto& [pair, length] : driven_) {
+      const auto& [room, map] = pair;
+      if (!IsPinned(map)) continue;
+      pinned.insert(map);
+      if (length < kBehindDoor && length < farthest[room]) continue;
+      double& best = farthest_pinned[room];
+      if (length <= best) continue;
+      best = length;
+      plan_.map_of_room[room] = map;
+    }
+    return pinned;
+  }
+
+  bool IsPinned(const MapId& map) const {
+    const SurveyedMap* found = survey_.FindMap(map);
+    return found != nullptr && found->pinned;
   }
 
   // The cabin of a lift is one map, of one level. The room behind a door that leads to it is that cabin.
@@ -141,7 +167,7 @@ class MapArranger {
 
   bool MayGo(const MapId& map) const {
     const SurveyedMap* found = survey_.FindMap(map);
-    return found != nullptr && !found->root && !found->busy;
+    return found != nullptr && !found->root && !found->busy && !found->pinned;
   }
 
   // A map for each room whose maps are all those of other rooms. It begins in the frame of the session that was longest
@@ -187,6 +213,7 @@ class MapArranger {
   // The stretches [begin, end) are one session's.
   void MoveSession(std::size_t begin, std::size_t end) {
     const SurveyedSession& session = SessionOf(found_.stretches[begin]);
+    if (IsPinned(session.map)) return Move(session.id, session, session.map);
     SessionId piece = session.id;
     MapId target = session.map;
     bool first = true;
@@ -240,7 +267,7 @@ class MapArranger {
   void MoveRides(const rooms::RoomPartition& partition) {
     for (const SurveyedMap& map : survey_.maps) {
       const auto place = plan_.T_level_map.find(map.id);
-      if (place == plan_.T_level_map.end()) continue;
+      if (place == plan_.T_level_map.end() || map.pinned) continue;
       for (const Ride& ride : map.rides) {
         const auto now = plan_.map_of_room.find(RoomOf(ride, place->second, partition));
         if (now == plan_.map_of_room.end() || now->second == map.id) continue;

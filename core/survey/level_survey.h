@@ -62,6 +62,8 @@ struct SurveyedMap {
   // Something still happens in it that the survey does not contain: a session is recording or not mapped yet. A busy
   // map stays.
   bool busy = false;
+  // People have decided which sessions it has: none leaves it, and the rooms that they drove in are one map.
+  bool pinned = false;
   std::vector<Ride> rides = {};  // if it is the cabin of a lift
 
   // A map with rides goes only where they can go with it: into the map of the same cabin.

@@ -99,6 +99,7 @@ v1::Map ToProto(const storage::Map& map) {
     added.set_x(corner.x());
     added.set_y(corner.y());
   }
+  out.set_pinned(map.pinned);
   if (map.current_revision > 0)
     out.set_latest_revision(convert::NameOf(convert::RevisionName{map.site, map.id, map.current_revision}));
   out.set_etag(std::to_string(map.etag));
@@ -223,6 +224,7 @@ absl::StatusOr<storage::Map> FromProto(const v1::Map& in) {
   map.level = in.level();
   map.environment = in.environment() == v1::Map::ENVIRONMENT_OUTDOOR ? Environment::kOutdoor : Environment::kIndoor;
   map.slam_profile = in.slam_profile();
+  map.pinned = in.pinned();
   for (const v1::Point& corner : in.outline().corners()) map.outline.emplace_back(corner.x(), corner.y());
   return map;
 }

@@ -57,6 +57,7 @@ struct RearrangementChange {
   std::int64_t graph_version = 0;  // that it was decided by
   std::vector<RearrangedRaster> rasters;
   std::vector<SeenLayers> seen = {};  // ABORTED if they are others by now
+  bool by_people = false;             // pins the maps that it leaves behind (Map::pinned)
 };
 
 // A rearrangement that was applied.
@@ -95,7 +96,7 @@ class RearrangementStore {
   virtual absl::StatusOr<StoredRearrangement> Apply(const CallContext& context, const SiteLease& lease,
                                                     const RearrangementChange& change) const = 0;
   // Restores exactly what was before: poses, link points, evidence, layers; rasters as new revisions with the old
-  // content. ABORTED if the lease is lost; NOT_FOUND; FAILED_PRECONDITION if it has been undone already, if it
+  // content. Pins the maps that it leaves behind. ABORTED if the lease is lost; NOT_FOUND; FAILED_PRECONDITION if it has been undone already, if it
   // is too old (StoredRearrangement::undo_expired), or naming what has been changed since: then nothing is undone.
   virtual absl::StatusOr<StoredRearrangement> Undo(const CallContext& context, const SiteLease& lease,
                                                    const rearrange::RearrangementId& id) const = 0;

@@ -31,6 +31,7 @@ struct Map {
   std::string slam_profile;
   // m, map frame: a simple polygon without the repeated last corner; may be empty.
   std::vector<Eigen::Vector2d> outline;
+  bool pinned = false;  // people have decided which sessions it has: surveys take none out of it
   // Set by the store.
   MapState state = MapState::kEmpty;
   std::int64_t current_revision = 0;  // 0: none

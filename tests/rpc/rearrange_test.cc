@@ -51,6 +51,7 @@ TEST_F(RearrangeTest, MergesRecordedMapsSplitsThemAndUndoesBoth) {
 
   ASSERT_OK_AND_ASSIGN(const v1::MergeMapsResponse merged, Merge());
   EXPECT_EQ(merged.map().name(), "sites/s/maps/m");
+  EXPECT_TRUE(merged.map().pinned());
   EXPECT_THAT(merged.rearrangement().reason(), HasSubstr("map m2 merged into map m"));
   EXPECT_EQ(GetSession(second_).map(), "sites/s/maps/m");
   EXPECT_EQ(GetMap("m2").name(), "sites/s/maps/m") << "the old name leads to the other map";
@@ -93,6 +94,8 @@ TEST_F(RearrangeTest, MergesRecordedMapsSplitsThemAndUndoesBoth) {
   split.set_map_id("m3");
   ASSERT_OK_AND_ASSIGN(const v1::SplitMapResponse apart, Call(&v1::MapService::Stub::SplitMap, split));
   EXPECT_EQ(apart.map().name(), "sites/s/maps/m3");
+  EXPECT_TRUE(apart.map().pinned());
+  EXPECT_TRUE(GetMap("m").pinned());
   EXPECT_EQ(GetSession(second_).map(), "sites/s/maps/m3");
   ExpectSame(WorldTrajectory(second_), second_world);
   EXPECT_EQ(HashOf("m"), m_before);
@@ -106,6 +109,15 @@ TEST_F(RearrangeTest, MergesRecordedMapsSplitsThemAndUndoesBoth) {
   EXPECT_EQ(HashOf("m"), m_before);
   EXPECT_EQ(HashOf("m2"), m2_before);
   EXPECT_EQ(GetMap("m2").display_name(), "Second part");
+  for (const std::string map : {"m", "m2"}) {
+    EXPECT_TRUE(GetMap(map).pinned()) << "what people restore stays, too";
+    v1::UpdateMapRequest unpin;
+    unpin.mutable_map()->set_name("sites/s/maps/" + map);
+    unpin.mutable_update_mask()->add_paths("pinned");
+    ASSERT_OK_AND_ASSIGN(const v1::UpdateMapResponse unpinned, Call(&v1::MapService::Stub::UpdateMap, unpin));
+    EXPECT_FALSE(unpinned.map().pinned());
+    EXPECT_EQ(unpinned.map().display_name(), GetMap(map).display_name());
+  }
   const std::vector<slam::StampedPose> second_after = Trajectory(second_);
   ASSERT_EQ(second_after.size(), second_before.size());
   for (std::size_t i = 0; i < second_after.size(); ++i) {

@@ -74,7 +74,7 @@ absl::StatusOr<storage::StoredRearrangement> MapRearrangements::PlanAndApply(con
     const auto graph = graphs_.Get(context, site);
     ENFILADE_RETURN_IF_ERROR(graph.status());
     const auto planned = plan((*graph)->graph());
-    applied = planned.ok() ? rearranger_.Apply(context, *lease, *planned, (*graph)->graph().version())
+    applied = planned.ok() ? rearranger_.Apply(context, *lease, *planned, (*graph)->graph().version(), true)
                            : absl::StatusOr<storage::StoredRearrangement>(planned.status());
   }
   return applied;

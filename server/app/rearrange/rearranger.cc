@@ -23,12 +23,13 @@ bool MayBeCommitted(const absl::Status& status) {
 absl::StatusOr<storage::StoredRearrangement> Rearranger::Apply(const storage::CallContext& context,
                                                                const storage::SiteLease& lease,
                                                                const rearrange::Rearrangement& rearrangement,
-                                                               std::int64_t graph_version) const {
+                                                               std::int64_t graph_version, bool by_people) const {
   ENFILADE_RETURN_IF_ERROR(rearrange::Validate(rearrangement));
   storage::RearrangementChange change;
   change.id = rearrange::RearrangementId(NewUuid());
   change.rearrangement = rearrangement;
   change.graph_version = graph_version;
+  change.by_people = by_people;
   LayerRenderer renderer(context, stores_, profiles_, lease.site, rearrangement);
   ENFILADE_ASSIGN_OR_RETURN(change.rasters, renderer.Render());
   if (edits_ != nullptr) ENFILADE_RETURN_IF_ERROR(edits_->Adopt(context, lease.site, change));

@@ -39,12 +39,13 @@ class Rearranger {
       : stores_(stores), profiles_(profiles), graphs_(graphs), edits_(edits) {}
 
   // Applies what was decided by the graph at `graph_version`, under the site's lease, which the caller holds and keeps.
+  // `by_people`: RearrangementChange::by_people.
   // ABORTED if the graph has changed since or the lease is lost: decide again. Other errors: INVALID_ARGUMENT
   // (rearrange::Validate); RearrangementStore::Apply.
   absl::StatusOr<storage::StoredRearrangement> Apply(const storage::CallContext& context,
                                                      const storage::SiteLease& lease,
                                                      const rearrange::Rearrangement& rearrangement,
-                                                     std::int64_t graph_version) const;
+                                                     std::int64_t graph_version, bool by_people = false) const;
   // As RearrangementStore::Undo.
   absl::StatusOr<storage::StoredRearrangement> Undo(const storage::CallContext& context,
                                                     const storage::SiteLease& lease,

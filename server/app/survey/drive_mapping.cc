@@ -337,6 +337,7 @@ class LevelMapper {
                                     .slam_profile = map.slam_profile,
                                     .root = id == graph_.graph().root(),
                                     .busy = busy.contains(id),
+                                    .pinned = map.pinned,
                                     .rides = rides[id]});
     }
     for (const graph::LinkPoint* link_point : graph_.graph().ListLinkPoints()) {

@@ -50,6 +50,7 @@ void ToProto(const storage::StoredLinkPoint& link_point, v1::LinkPoint& out) {
   out.set_use(static_cast<v1::LinkPoint::Use>(point.use));
   if (link_point.T_world_place) enfilade::convert::ToProto(*link_point.T_world_place, *out.mutable_pose_world_place());
   out.set_forced(link_point.forced);
+  out.set_pinned(point.pinned);
   out.set_graph_version(point.graph_version);
   out.set_etag(std::to_string(link_point.etag));
   *out.mutable_create_time() = convert::ToTimestamp(link_point.create_time);
@@ -113,6 +114,7 @@ absl::StatusOr<storage::StoredLinkPoint> FromProto(const SiteId& site, const v1:
   point.tag = in.tag();
   if (in.difficulty() < 0) return InvalidArgument("link_point.difficulty is {}: expected 0 or more", in.difficulty());
   point.difficulty = in.difficulty();
+  point.pinned = !in.has_pinned() || in.pinned();
   for (int i = 0; i < in.anchors_size(); ++i) {
     ENFILADE_ASSIGN_OR_RETURN(graph::Anchor anchor,
                               FromProto(fmt::format("link_point.anchors[{}]", i), site, in.anchors(i)));
@@ -152,11 +154,18 @@ absl::StatusOr<storage::Evidence> FromProto(const convert::LinkPointName& name, 
 }
 
 absl::Status CheckLinkPointMask(const google::protobuf::FieldMask& mask) {
-  return CheckMask(
-      mask, {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state", "state_valid_until"});
+  return CheckMask(mask, {"kind", "tag", "anchors", "direction_map", "difficulty", "environment", "state",
+                          "state_valid_until", "pinned"});
 }
 
 void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mask, v1::LinkPoint& to) {
+  const bool is_placed = IsUpdated(mask, "kind", from.kind() != 0) ||
+                         IsUpdated(mask, "anchors", from.anchors_size() > 0) ||
+                         IsUpdated(mask, "direction_map", !from.direction_map().empty());
+  const bool is_pinned_given =
+      std::find(mask.paths().begin(), mask.paths().end(), "pinned") != mask.paths().end() ||
+      (!is_placed && IsUpdated(mask, "pinned", from.has_pinned()));
+  if (is_placed || is_pinned_given) to.set_pinned(!is_pinned_given || from.pinned());
   if (IsUpdated(mask, "kind", from.kind() != 0)) to.set_kind(from.kind());
   if (IsUpdated(mask, "tag", !from.tag().empty())) to.set_tag(from.tag());
   if (IsUpdated(mask, "anchors", from.anchors_size() > 0)) *to.mutable_anchors() = from.anchors();

@@ -11,7 +11,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   v1::UpdateMapResponse response;
   const auto& mask = request.update_mask();
   const v1::Map& wanted = request.map();
-  ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline"}));
+  ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline", "pinned"}));
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("map.name", wanted.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(wanted.etag()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map stored, services.maps.Get(call.context(), name.site, name.map));
@@ -22,6 +22,7 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   if (IsUpdated(mask, "environment", wanted.environment() != 0)) changed.set_environment(wanted.environment());
   if (IsUpdated(mask, "slam_profile", !wanted.slam_profile().empty())) changed.set_slam_profile(wanted.slam_profile());
   if (IsUpdated(mask, "outline", wanted.has_outline())) *changed.mutable_outline() = wanted.outline();
+  if (IsUpdated(mask, "pinned", wanted.pinned())) changed.set_pinned(wanted.pinned());
   ENFILADE_ASSIGN_OR_RETURN(storage::Map map, FromProto(changed));
   map.site = name.site;
   map.id = name.map;

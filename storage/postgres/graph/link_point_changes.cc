@@ -20,12 +20,12 @@ namespace {
 constexpr Statement kInsertLinkPoint{
     "creating the link point",
     "INSERT INTO enfilade.link_points (site_id, link_point_id, kind, tag, direction_map_id,"
-    " difficulty, environment, state, valid_until, forced, changed_version, request_id,"
-    " request_sha256) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)"};
+    " difficulty, environment, state, valid_until, forced, pinned, changed_version, request_id,"
+    " request_sha256) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)"};
 constexpr Statement kUpdateLinkPoint{"updating the link point",
                                      "UPDATE enfilade.link_points SET kind = $4, tag = $5, direction_map_id = $6,"
                                      " difficulty = $7, environment = $8, state = $9, valid_until = $10, forced = $11,"
-                                     " changed_version = $12, etag = $13, update_time = now()"
+                                     " pinned = $12, changed_version = $13, etag = $14, update_time = now()"
                                      " WHERE site_id = $1 AND link_point_id = $2 AND etag = $3 RETURNING etag"};
 constexpr Statement kDeleteLinkPoint{"deleting the link point",
                                      "DELETE FROM enfilade.link_points WHERE site_id = $1 AND link_point_id = $2"
@@ -180,7 +180,7 @@ absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
                                              DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(created),
                                              static_cast<std::int16_t>(point.state), ValidUntilOf(point),
-                                             created.forced, version, IdOrNull(request_id), DigestOrNull(request_id)));
+                                             created.forced, point.pinned, version, IdOrNull(request_id), DigestOrNull(request_id)));
   QueueAnchors(transaction, site, point.id, point.anchors);
   return FlushAndPlace(transaction, created, version);
 }
@@ -201,7 +201,7 @@ absl::Status UpdateLinkPoint(Transaction& transaction, const StoredLinkPoint& li
   transaction.Queue(kUpdateLinkPoint, Params(site, id, changed.etag, static_cast<std::int16_t>(point.kind), point.tag,
                                              DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(changed),
                                              static_cast<std::int16_t>(point.state), ValidUntilOf(point),
-                                             changed.forced, version, NewEtag()));
+                                             changed.forced, point.pinned, version, NewEtag()));
   std::vector<std::string_view> maps;
   for (const graph::Anchor& anchor : point.anchors) maps.push_back(anchor.map.value());
   transaction.Queue(kDropAnchors, Params(site, id, maps));

@@ -10,7 +10,7 @@ namespace {
 
 // Of ENFILADE_LINK_POINT_COLUMNS.
 constexpr int kIdColumn = 1;
-constexpr int kFirstAnchorColumn = 20;
+constexpr int kFirstAnchorColumn = 21;
 
 StoredLinkPoint ReadWithoutAnchors(Row& row) {
   StoredLinkPoint stored;
@@ -27,6 +27,7 @@ StoredLinkPoint ReadWithoutAnchors(Row& row) {
   point.state_valid_until = row.OptionalTime();
   point.use = static_cast<graph::LinkPointUse>(row.Int16());
   stored.forced = row.Bool();
+  point.pinned = row.Bool();
   const bool placed = row.Bool();
   PoseWithCovariance world;
   world.pose = {row.Double(), row.Double(), row.Double()};

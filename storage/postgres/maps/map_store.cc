@@ -14,12 +14,12 @@ namespace {
 
 #define ENFILADE_MAP_COLUMNS                                                                             \
   "site_id, map_id, display_name, level, environment, slam_profile, ST_AsBinary(outline, 'NDR'), state," \
-  " current_revision, etag, create_time, update_time"
+  " pinned, current_revision, etag, create_time, update_time"
 
 constexpr Statement kInsertMap{
     "creating the map",
-    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, request_id,"
-    " request_sha256) VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8, $9) RETURNING " ENFILADE_MAP_COLUMNS};
+    "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, pinned,"
+    " request_id, request_sha256) VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8, $9, $10) RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindMapRequest{"looking for an earlier request",
                                     "SELECT " ENFILADE_MAP_COLUMNS ENFILADE_SAME_REQUEST(
                                         "$3") " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
@@ -40,7 +40,7 @@ constexpr Statement kListMaps{"listing maps", "SELECT " ENFILADE_MAP_COLUMNS
 constexpr Statement kUpdateMap{"updating the map",
                                "UPDATE enfilade.maps SET display_name = $4, level = $5, environment = $6,"
                                " slam_profile = $7, outline = ST_GeomFromWKB($8, 0),"
-                               " etag = $9, update_time = now()"
+                               " pinned = $9, etag = $10, update_time = now()"
                                " WHERE site_id = $1 AND map_id = $2 AND etag = $3 AND redirect_map_id IS NULL"
                                " RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindSessions{
@@ -104,6 +104,7 @@ MapRow ReadMapRow(Row& row) {
   map.slam_profile = row.Text();
   const std::string outline(row.OptionalBytes().value_or(""));
   map.state = static_cast<MapState>(row.Int16());
+  map.pinned = row.Bool();
   map.current_revision = row.Int64();
   map.etag = row.Int64();
   map.create_time = row.Time();
@@ -178,7 +179,8 @@ absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map,
   QueueGraphLock(transaction, map.site);
   transaction.Queue(kInsertMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
                                        static_cast<std::int16_t>(map.environment), map.slam_profile,
-                                       BytesOrNull(outline), IdOrNull(request_id), DigestOrNull(request_id)));
+                                       BytesOrNull(outline), map.pinned, IdOrNull(request_id),
+                                       DigestOrNull(request_id)));
   const auto inserted = transaction.Flush();
   if (inserted.ok()) {
     ENFILADE_RETURN_IF_ERROR(NotifyOfPresentGraph(transaction, map.site));
@@ -227,7 +229,7 @@ absl::StatusOr<Map> MapStore::Update(const CallContext& context, const Map& map)
   const auto updated =
       transaction.Execute(kUpdateMap, Params(map.site, map.id, map.etag, map.display_name, std::int32_t{map.level},
                                              static_cast<std::int16_t>(map.environment), map.slam_profile,
-                                             BytesOrNull(outline), NewEtag()));
+                                             BytesOrNull(outline), map.pinned, NewEtag()));
   if (!updated.ok()) return Explain(updated.status(), map);
   if (updated->rows() == 0) {
     ENFILADE_ASSIGN_OR_RETURN(const auto stored, transaction.Execute(kMapExists, Params(map.site, map.id)));

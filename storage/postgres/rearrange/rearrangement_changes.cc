@@ -107,6 +107,12 @@ constexpr Statement kRecordRemovals{
     " FROM enfilade.site_graphs g JOIN enfilade.rearrangement_parts p USING (site_id)"
     " WHERE g.site_id = $1 AND p.rearrangement_id = $2 AND p.kind IN (5, 6)"
     " ON CONFLICT (site_id, kind, id) DO UPDATE SET removed_version = excluded.removed_version"};
+constexpr Statement kPinMaps{
+    "pinning the maps",
+    "UPDATE enfilade.maps t SET pinned = true, etag = $3, update_time = now() FROM ("
+    "  SELECT DISTINCT unnest(ARRAY[source, CASE WHEN kind <> 2 THEN target END])::text AS map_id"
+    "  FROM enfilade.rearrangement_parts WHERE site_id = $1 AND rearrangement_id = $2 AND kind IN (2, 3, 6)) p"
+    " WHERE t.site_id = $1 AND t.map_id = p.map_id AND t.redirect_map_id IS NULL AND NOT t.pinned"};
 
 }  // namespace
 
@@ -171,6 +177,10 @@ void QueueRedirects(Transaction& transaction, const SiteId& site, const rearrang
   transaction.Queue(kRedirectMaps, Params(site, id));
   transaction.Queue(kTakeMapsFromGraph, Params(site, id));
   transaction.Queue(kRecordRemovals, Params(site, id));
+}
+
+void QueuePins(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id) {
+  transaction.Queue(kPinMaps, Params(site, id, NewEtag()));
 }
 
 }  // namespace enfilade::storage::postgres

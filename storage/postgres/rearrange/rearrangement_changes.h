@@ -36,6 +36,8 @@ absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, cons
 absl::Status ChangeRasters(Transaction& transaction, const SiteId& site, const RearrangementChange& change);
 // Makes the maps that are left empty redirects. Queued only.
 void QueueRedirects(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
+// Pins the maps that it leaves behind. Queued only.
+void QueuePins(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
 // Keeps everything that has changed as it is now. Queued only.
 void QueueImagesAfter(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id);
 

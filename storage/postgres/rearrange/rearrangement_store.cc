@@ -54,6 +54,7 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
   ENFILADE_RETURN_IF_ERROR(ChangeRasters(transaction, site, change));
   QueueDraftMoves(transaction, site, change);
   QueueRedirects(transaction, site, change.id);
+  if (change.by_people) QueuePins(transaction, site, change.id);
   QueueImagesAfter(transaction, site, change.id);
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(transaction.Flush().status(), site, change.id));
   ENFILADE_ASSIGN_OR_RETURN(StoredRearrangement stored, ReadRearrangement(transaction, site, change.id));
@@ -73,6 +74,7 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Undo(const CallContext& 
                             RaiseGraphVersion(transaction, site, GraphCause::kRearranged, ResourceOfRearrangement(id)));
   QueueRearranging(transaction, id);
   ENFILADE_RETURN_IF_ERROR(RestoreImages(transaction, site, id, version));
+  QueuePins(transaction, site, id);
   ENFILADE_ASSIGN_OR_RETURN(StoredRearrangement stored, ReadRearrangement(transaction, site, id));
   ENFILADE_RETURN_IF_ERROR(WithContext(transaction.Commit(), NameOfRearrangement(site, id)));
   return stored;

@@ -92,10 +92,10 @@ constexpr Statement kDropNewLinkPoints{
 constexpr Statement kRestoreLinkPoints{
     "restoring link points",
     "INSERT INTO enfilade.link_points (site_id, link_point_id, kind, tag, direction_map_id, difficulty, environment,"
-    " state, valid_until, \"use\", forced, changed_version, request_id,"
+    " state, valid_until, \"use\", forced, pinned, changed_version, request_id,"
     " request_sha256, create_time) SELECT b.site_id, b.link_point_id, b.kind, b.tag, b.direction_map_id, b.difficulty, "
     "b.environment, b.state,"
-    "   b.valid_until, b.\"use\", b.forced, $3, b.request_id,"
+    "   b.valid_until, b.\"use\", b.forced, coalesce(b.pinned, false), $3, b.request_id,"
     "   b.request_sha256, b.create_time"
     " FROM enfilade.rearrangement_images r,"
     "   jsonb_populate_record(NULL::enfilade.link_points, r.before -> 'link_point') b"

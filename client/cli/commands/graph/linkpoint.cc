@@ -286,6 +286,7 @@ void AddLinkPoint(CLI::App& app, const Globals& globals) {
   AddSearches(*group, globals, options);
   AddChanges(*group, globals, options);
   AddLinkPointChange(*group, globals);
+  AddLinkPointPins(*group, globals);
 }
 
 }  // namespace enfilade::cli

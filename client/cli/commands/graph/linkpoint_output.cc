@@ -30,6 +30,7 @@ nlohmann::json LinkPointToJson(const v1::LinkPoint& link_point) {
                       {"difficulty", link_point.difficulty()},
                       {"state", StateName(link_point)},
                       {"use", UseName(link_point)},
+                      {"pinned", link_point.pinned()},
                       {"graph_version", link_point.graph_version()},
                       {"etag", link_point.etag()}};
   for (const v1::Anchor& anchor : link_point.anchors()) {

@@ -28,6 +28,7 @@ nlohmann::json ToJson(const v1::Map& map) {
           {"level", map.level()},
           {"environment", EnvironmentName(map.environment())},
           {"slam_profile", map.slam_profile()},
+          {"pinned", map.pinned()},
           {"latest_revision", map.latest_revision()},
           {"etag", map.etag()},
           {"create_time", FormatTime(map.create_time())}};
@@ -92,7 +93,8 @@ absl::Status ShowMap(const Globals& globals, const std::string& name) {
     return absl::OkStatus();
   }
   std::cout << map.display_name() << "\n"
-            << map.name() << "  level " << map.level() << ", " << EnvironmentName(map.environment()) << '\n';
+            << map.name() << "  level " << map.level() << ", " << EnvironmentName(map.environment())
+            << (map.pinned() ? ", pinned\n" : "\n");
   std::vector<std::vector<std::string>> rows;
   for (const v1::MapRevision& revision : revisions) {
     rows.push_back({IdOf(revision.name()),
@@ -175,6 +177,7 @@ void AddMap(CLI::App& app, const Globals& globals) {
   AddMapExport(*map, globals);
   AddMapImport(*map, globals);
   AddMapRearrange(*map, globals);
+  AddMapPins(*map, globals);
 
   auto tag_options = std::make_shared<TagMapCommandOptions>();
   CLI::App* tag = AddCommand(*map, "tag", "Give a revision a name; it is then kept however old it is",

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "proto/convert/geometry.h"
 #include "server/rpc/link_point/convert.h"
@@ -71,6 +72,33 @@ TEST(LinkPointMessage, HasDefaultsForWhatIsUnset) {
   EXPECT_FALSE(read.environment.has_value());
   EXPECT_FALSE(read.point.state_valid_until.has_value());
   EXPECT_TRUE(read.point.direction.empty());
+}
+
+TEST(LinkPointMessage, WhatPeopleMakeOrPlaceIsPinnedUnlessTheySayOtherwise) {
+  ASSERT_OK_AND_ASSIGN(storage::StoredLinkPoint made, FromProto(kSite, v1::LinkPoint()));
+  EXPECT_TRUE(made.point.pinned);
+  v1::LinkPoint unpinned;
+  unpinned.set_pinned(false);
+  ASSERT_OK_AND_ASSIGN(made, FromProto(kSite, unpinned));
+  EXPECT_FALSE(made.point.pinned);
+
+  const v1::LinkPoint stored = ToProto(MakeDoor());  // a survey's
+  ASSERT_FALSE(stored.pinned());
+  const auto updated = [&](v1::LinkPoint from, const std::vector<std::string>& paths) {
+    google::protobuf::FieldMask mask;
+    for (const std::string& path : paths) mask.add_paths(path);
+    v1::LinkPoint to = stored;
+    Overwrite(from, mask, to);
+    return to.pinned();
+  };
+  EXPECT_TRUE(updated(stored, {"anchors"})) << "as it was read, and written back with other anchors";
+  EXPECT_TRUE(updated(stored, {"kind"}));
+  EXPECT_TRUE(updated(stored, {"direction_map"}));
+  EXPECT_TRUE(updated(stored, {}));
+  EXPECT_FALSE(updated(stored, {"tag", "state", "difficulty"}));
+  EXPECT_FALSE(updated(unpinned, {"pinned"}));
+  EXPECT_FALSE(updated(stored, {"anchors", "pinned"}));
+  EXPECT_FALSE(updated(unpinned, {}));
 }
 
 TEST(LinkPointMessage, GivesAnAnchorWithoutCovarianceTheDefaultOne) {
