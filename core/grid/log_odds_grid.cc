@@ -260,11 +260,14 @@ absl::StatusOr<LogOddsGrid> LogOddsGrid::Read(BinaryReader& reader, const LogOdd
       static_cast<std::int64_t>(grid.cells_.size()) != std::int64_t{grid.width_} * grid.height_) {
     return DataLoss("the bytes are not those of a log-odds grid");
   }
-  for (const std::int16_t value : grid.cells_) {
-    if (value != kUnknown && (value < grid.lowest_ || value > grid.highest_)) {
-      return DataLoss("a log-odds cell holds {}, beyond the bounds {} and {} of the options", value, grid.lowest_,
-                      grid.highest_);
-    }
+  const auto is_beyond = [lowest = grid.lowest_, highest = grid.highest_](std::int16_t value) {
+    return (value != kUnknown) & ((value < lowest) | (value > highest));
+  };
+  bool beyond = false;
+  for (const std::int16_t value : grid.cells_) beyond |= is_beyond(value);  // without a branch: grids are large
+  if (beyond) {
+    return DataLoss("a log-odds cell holds {}, beyond the bounds {} and {} of the options",
+                    *std::find_if(grid.cells_.begin(), grid.cells_.end(), is_beyond), grid.lowest_, grid.highest_);
   }
   return grid;
 }

@@ -46,22 +46,33 @@ class MapArranger {
     return survey_.drives[stretch.drive][stretch.session];
   }
 
-  // A session is cut once at a time: what lies behind the second cut waits for the next survey, which sees the rest as
-  // a session of its own. Until then it counts as nothing.
+  // A session is cut once at a time, near its middle, so that few surveys suffice for many rooms: the next one sees two
+  // sessions, and cuts each of them. Until then only the rooms where the two begin count.
   void DeferLaterCuts() {
     std::vector<Stretch> kept;
-    int changes = 0;
-    int room = 0;
-    const Stretch* last = nullptr;
-    for (const Stretch& stretch : found_.stretches) {
-      const bool begins = last == nullptr || last->drive != stretch.drive || last->session != stretch.session;
-      if (begins) changes = 0;
-      if (!begins && stretch.room != room) ++changes;
-      room = stretch.room;
-      if (changes < 2) kept.push_back(stretch);
-      last = &stretch;
+    for (auto begin = found_.stretches.cbegin(); begin != found_.stretches.cend();) {
+      const auto end = std::find_if(begin, found_.stretches.cend(), [&](const Stretch& stretch) {
+        return stretch.drive != begin->drive || stretch.session != begin->session;
+      });
+      KeepTwoRooms(begin, end, kept);
+      begin = end;
     }
     found_.stretches = std::move(kept);
+  }
+
+  // Of one session's stretches, no two neighbours of which are in one room.
+  static void KeepTwoRooms(std::vector<Stretch>::const_iterator begin, std::vector<Stretch>::const_iterator end,
+                           std::vector<Stretch>& kept) {
+    kept.push_back(*begin);
+    auto cut = begin;
+    auto least = end - begin;  // stretches of the larger part
+    for (auto stretch = begin; stretch != end; ++stretch) {
+      const auto larger = std::max(stretch - begin, end - stretch);
+      if (stretch->room == begin->room || larger >= least) continue;
+      cut = stretch;
+      least = larger;
+    }
+    if (cut != begin) kept.push_back(*cut);
   }
 
   // A map's frame is where its longest session has it.

@@ -20,10 +20,43 @@ double LogOdds(double p) { return std::log(p / (1.0 - p)); }
 
 double CellCount(const CellWindow& window) { return static_cast<double>(window.width) * window.height; }
 
+// As std::floor, for values that an int can hold. Most of the time to render goes into it, and std::floor is a call.
+int Floor(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < truncated ? 1 : 0);
+}
+
+// Positions x in [low, high] along a line.
+struct Interval {
+  double low;
+  double high;
+
+  // Keeps those at which offset + slope * x lies within [min, max].
+  void Clip(double offset, double slope, double min, double max) {
+    constexpr double kParallel = 1e-9;
+    if (std::abs(slope) < kParallel) {
+      if (offset < min || offset > max) high = low - 1.0;
+      return;
+    }
+    const double a = (min - offset) / slope;
+    const double b = (max - offset) / slope;
+    low = std::max(low, std::min(a, b));
+    high = std::min(high, std::max(a, b));
+  }
+};
+
 }  // namespace
 
 MapRenderer::MapRenderer(double resolution, const grid::LogOddsOptions& options)
-    : resolution_(resolution), min_log_odds_(LogOdds(options.p_min)), max_log_odds_(LogOdds(options.p_max)) {}
+    : resolution_(resolution),
+      lowest_(Floor(LogOdds(options.p_min) * grid::LogOddsGrid::kUnitsPerLogOdds)),
+      highest_(Floor(LogOdds(options.p_max) * grid::LogOddsGrid::kUnitsPerLogOdds) + 1) {
+  for (std::int32_t sum = lowest_; sum <= highest_; ++sum) {
+    const double log_odds =
+        std::clamp(sum / grid::LogOddsGrid::kUnitsPerLogOdds, LogOdds(options.p_min), LogOdds(options.p_max));
+    cell_of_.push_back(grid::CellFromProbability(1.0 / (1.0 + std::exp(-log_odds))));
+  }
+}
 
 bool MapRenderer::Place(std::int64_t submap, const Pose2& T_map_submap,
                         const std::function<const SubmapGrid&()>& grid) {
@@ -125,14 +158,24 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGr
   const Pose2& T_submap_map = placed.T_submap_map;
   const CellWindow tile = WindowOf(index);
   const CellWindow w = Intersection(tile, placed.window);
+  const double r = cells.resolution();
   const double c = std::cos(T_submap_map.yaw);
   const double s = std::sin(T_submap_map.yaw);
+  const grid::CellIndex min = cells.window_min();
   std::vector<Cell>* sums = nullptr;
   for (int row = w.min.row; row < w.top(); ++row) {
     const double y = (row + 0.5) * resolution_;
-    for (int column = w.min.column; column < w.right(); ++column) {
+    // The columns whose centres lie in the submap's window, and one more on each side.
+    Interval in{w.min.column * resolution_, w.right() * resolution_};
+    in.Clip(T_submap_map.x - s * y, c, (min.column - 1) * r, (min.column + cells.width() + 1) * r);
+    in.Clip(T_submap_map.y + c * y, s, (min.row - 1) * r, (min.row + cells.height() + 1) * r);
+    if (in.high < in.low) continue;
+    const int first = std::max(w.min.column, Floor(in.low / resolution_) - 1);
+    const int end = std::min(w.right(), Floor(in.high / resolution_) + 2);
+    for (int column = first; column < end; ++column) {
       const double x = (column + 0.5) * resolution_;
-      const auto value = cells.ValueAt(cells.CellOf({T_submap_map.x + c * x - s * y, T_submap_map.y + s * x + c * y}));
+      const auto value =
+          cells.ValueAt({Floor((T_submap_map.x + c * x - s * y) / r), Floor((T_submap_map.y + s * x + c * y) / r)});
       if (value == grid::LogOddsGrid::kUnknown) continue;
       if (sums == nullptr) {
         sums = &tiles[index];
@@ -160,10 +203,9 @@ void MapRenderer::DrawTile(const TileIndex& index, const Tiles& placed, const Ti
       const Cell x = a == placed.end() ? Cell{} : a->second[tile.index(column, row)];
       const Cell y = b == active.end() ? Cell{} : b->second[tile.index(column, row)];
       if (x.known + y.known == 0) continue;
-      const double sum = (x.log_odds + y.log_odds) / grid::LogOddsGrid::kUnitsPerLogOdds;
-      const double log_odds = std::clamp(sum, min_log_odds_, max_log_odds_);
+      const std::int32_t sum = std::clamp(x.log_odds + y.log_odds, lowest_, highest_);
       grid.cells[grid.geometry.index(column - first.column, row - first.row)] =
-          grid::CellFromProbability(1.0 / (1.0 + std::exp(-log_odds)));
+          cell_of_[static_cast<std::size_t>(sum - lowest_)];
     }
   }
 }

@@ -57,8 +57,9 @@ class MapRenderer {
   void DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active, grid::OccupancyGrid& grid) const;
 
   double resolution_;
-  double min_log_odds_;
-  double max_log_odds_;
+  std::int32_t lowest_;  // sums of log-odds beyond these are as certain
+  std::int32_t highest_;
+  std::vector<std::uint8_t> cell_of_;  // by the sum of log-odds, from `lowest_` on
   std::map<std::int64_t, Pose2> placed_;
   CellWindow window_;  // of all submaps ever placed
   Tiles tiles_;
