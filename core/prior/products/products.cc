@@ -34,7 +34,7 @@ grid::Rgb ColorOf(Sight sight) {
 
 nlohmann::json Position(const Eigen::Vector2d& point) { return {point.x(), point.y()}; }
 
-// Each wall with `state`, `stretch` and `sigma_m`, then those that only robots have seen, then each door with `state`
+// Each wall with `state`, `stretch`, `thickness` (m) and `sigma_m`, then those that only robots have seen, then each door with `state`
 // (seen: robots know the ground there) and `sigma_m`.
 std::string WriteCorrectedWalls(const PlanGraph& plan, const PlanFit& fit) {
   const CorrectedPlan& corrected = *fit.corrected;
@@ -53,6 +53,7 @@ std::string WriteCorrectedWalls(const PlanGraph& plan, const PlanFit& fit) {
            {"seen", wall.seen_share},
            {"contradicted", wall.contradicted_share},
            {"stretch", wall.stretch},
+           {"thickness", plan.walls[i].thickness * corrected.scale()},
            {"sigma_m", std::sqrt(std::max(0.0, variance))}}}});
   }
   for (const AddedWall& wall : fit.added) {

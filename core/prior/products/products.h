@@ -16,9 +16,9 @@ namespace enfilade::prior {
 
 std::string_view NameOf(Sight sight);  // seen, unseen, contradicted
 
-// walls.geojson (a FeatureCollection: each wall with its `state`, `stretch` and `sigma_m`; walls that only robots have
-// seen, with the state `added`; then each door with `state` and `sigma_m`), report.json (WriteReport), walls.svg and
-// walls.building.yaml.
+// walls.geojson (a FeatureCollection: each wall with its `state`, `stretch`, `thickness` (m) and `sigma_m`; walls that
+// only robots have seen, with the state `added`; then each door with `state` and `sigma_m`), report.json (WriteReport),
+// walls.svg and walls.building.yaml.
 std::vector<grid::MapFile> CorrectedFiles(const PlanGraph& plan, const PlanFit& fit);
 
 // The planning map as planning.yaml with its picture, and planning-mask.png, a grey pixel for each cell: 0 unknown, 1
