@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/rooms/region_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -134,6 +135,29 @@ CutGround CutAlong(const GroundMap& ground, const DistanceField& field, std::spa
   }
   FillLines(ground, std::move(on_lines), cut.map);
   return cut;
+}
+
+double InscribedRadius(std::span<const std::size_t> cells, int width) {
+  if (cells.empty()) return 0.0;
+  const auto column_of = [&](std::size_t cell) { return static_cast<int>(cell) % width; };
+  const auto row_of = [&](std::size_t cell) { return static_cast<int>(cell) / width; };
+  int left = column_of(cells.front()), right = left, bottom = row_of(cells.front()), top = bottom;
+  for (const std::size_t cell : cells) {
+    left = std::min(left, column_of(cell));
+    right = std::max(right, column_of(cell));
+    bottom = std::min(bottom, row_of(cell));
+    top = std::max(top, row_of(cell));
+  }
+  // With a margin of one cell.
+  const int columns = right - left + 3;
+  const int rows = top - bottom + 3;
+  std::vector<std::uint8_t> others(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 1);
+  for (const std::size_t cell : cells) {
+    const int at = (row_of(cell) - bottom + 1) * columns + column_of(cell) - left + 1;
+    others[static_cast<std::size_t>(at)] = 0;
+  }
+  const DistanceField field = grid::DistancesTo(others, columns, rows);
+  return static_cast<double>(*std::max_element(field.distance.begin(), field.distance.end())) - 0.5;
 }
 
 }  // namespace enfilade::rooms

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,5 +34,9 @@ struct CutGround {
 // Cells on a line belong to the nearest region, and so do those beside walls: a hole of one or two cells in a wall
 // joins nothing.
 CutGround CutAlong(const GroundMap& ground, const DistanceField& field, std::span<const DoorCandidate> lines);
+
+// The radius in cells of the largest circle within the cells `cells`, of a grid that is `width` cells wide: obstacles
+// and all other cells bound it.
+double InscribedRadius(std::span<const std::size_t> cells, int width);
 
 }  // namespace enfilade::rooms

@@ -8,7 +8,9 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "core/geometry/pose2.h"
 #include "core/rooms/distance_field.h"
@@ -69,12 +71,9 @@ class Partitioner {
 
   // Joins rooms that are too small to be one to the neighbour that they are most open to, the smallest first.
   void AbsorbSmall() {
-    const double least = options_.min_room / (geometry_.resolution * geometry_.resolution);
     while (true) {
-      std::map<int, std::int64_t> sizes;
-      for (std::size_t region = 0; region < room_of_region_.size(); ++region) {
-        sizes[room_of_region_[region]] += cut_.map.sizes[region];
-      }
+      const std::map<int, std::int64_t> sizes = SizesOfRooms();
+      const std::set<int> small = TooSmall(sizes);
       std::map<std::pair<int, int>, double> borders;
       for (std::size_t i = 0; i < lines_.size(); ++i) {
         const auto [one, other] = RoomsAt(i);
@@ -84,9 +83,9 @@ class Partitioner {
       }
       std::optional<std::pair<int, int>> best;
       for (const auto& [pair, openness] : borders) {
-        if (static_cast<double>(sizes[pair.first]) >= least) continue;
-        if (best &&
-            (sizes[best->first] < sizes[pair.first] || (best->first == pair.first && borders[*best] >= openness))) {
+        if (!small.contains(pair.first)) continue;
+        if (best && (sizes.at(best->first) < sizes.at(pair.first) ||
+                     (best->first == pair.first && borders[*best] >= openness))) {
           continue;
         }
         best = pair;
@@ -94,6 +93,40 @@ class Partitioner {
       if (!best) return;
       for (int& room : room_of_region_) room = room == best->first ? best->second : room;
     }
+  }
+
+  std::map<int, std::int64_t> SizesOfRooms() const {
+    std::map<int, std::int64_t> sizes;
+    for (std::size_t region = 0; region < room_of_region_.size(); ++region) {
+      sizes[room_of_region_[region]] += cut_.map.sizes[region];
+    }
+    return sizes;
+  }
+
+  // The rooms of less than `min_room`, and the narrow ones of less than `narrow_room`.
+  std::set<int> TooSmall(const std::map<int, std::int64_t>& sizes) const {
+    const double cell_area = geometry_.resolution * geometry_.resolution;
+    std::set<int> small;
+    std::map<int, std::vector<std::size_t>> cells;  // of the rooms that may be narrow
+    for (const auto& [room, size] : sizes) {
+      const double area = static_cast<double>(size) * cell_area;
+      if (area < options_.min_room) {
+        small.insert(room);
+      } else if (area < options_.narrow_room) {
+        cells[room];
+      }
+    }
+    if (cells.empty()) return small;
+    for (std::size_t cell = 0; cell < cut_.map.region.size(); ++cell) {
+      const std::int32_t region = cut_.map.region[cell];
+      if (region < 0) continue;
+      const auto found = cells.find(room_of_region_[static_cast<std::size_t>(region)]);
+      if (found != cells.end()) found->second.push_back(cell);
+    }
+    for (const auto& [room, own] : cells) {
+      if (InscribedRadius(own, geometry_.width) * geometry_.resolution < options_.robot_radius) small.insert(room);
+    }
+    return small;
   }
 
   std::pair<int, int> RoomsAt(std::size_t line) const {
@@ -104,10 +137,7 @@ class Partitioner {
   }
 
   void NumberRooms(RoomPartition& partition) {
-    std::map<int, std::int64_t> sizes;
-    for (std::size_t region = 0; region < room_of_region_.size(); ++region) {
-      sizes[room_of_region_[region]] += cut_.map.sizes[region];
-    }
+    const std::map<int, std::int64_t> sizes = SizesOfRooms();
     const double cell_area = geometry_.resolution * geometry_.resolution;
     std::vector<std::pair<std::int64_t, int>> order;
     for (const auto& [room, size] : sizes) {

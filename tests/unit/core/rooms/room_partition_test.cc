@@ -144,6 +144,52 @@ TEST(RoomPartition, FurnitureThatNarrowsTheWayPartsNothing) {
   EXPECT_TRUE(partition.doors.empty());
 }
 
+TEST(RoomPartition, WhereNoRobotFitsBetweenTwoDoorsIsNoRoom) {
+  const DrawnRooms drawn({
+      "########################",
+      "#         #  #         #",
+      "#         ####         #",
+      "#         #  #         #",
+      "#         #  #         #",
+      "#         #  #         #",
+      "#    a            b    #",
+      "#                      #",
+      "#         #  #         #",
+      "#         #  #         #",
+      "#         #  #         #",
+      "#         ####         #",
+      "#         #  #         #",
+      "########################",
+  });
+  const RoomPartition partition = PartitionRooms(drawn.grid);
+  EXPECT_EQ(partition.rooms.size(), 2U);
+  EXPECT_NE(partition.RoomAt(drawn['a']), partition.RoomAt(drawn['b']));
+  // Without the rule the place between them is one.
+  RoomOptions options;
+  options.narrow_room = 0.0;
+  EXPECT_EQ(PartitionRooms(drawn.grid, options).rooms.size(), 3U);
+}
+
+TEST(RoomPartition, ASmallRoomThatARobotFitsIntoIsARoom) {
+  const DrawnRooms drawn({
+      "###############",
+      "#    #        #",
+      "#    #        #",
+      "#  b #        #",
+      "#    #        #",
+      "#    #        #",
+      "#    #        #",
+      "##   #        #",
+      "#             #",
+      "#       a     #",
+      "#             #",
+      "#             #",
+      "###############",
+  });
+  const RoomPartition partition = PartitionRooms(drawn.grid);
+  EXPECT_NE(partition.RoomAt(drawn['a']), partition.RoomAt(drawn['b']));
+}
+
 TEST(RoomPartition, AHalfSeenRoomIsARoomAndUnknownGroundCutsNothing) {
   const DrawnRooms drawn({
       "?????????????????????????",
