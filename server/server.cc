@@ -156,9 +156,7 @@ class Server::Impl {
       survey::SurveyOptions survey_options;
       survey_options.map_name = options.closure.map_name;
       surveyor = std::make_unique<SiteSurveyor>(
-          survey_options,
-          SurveyLoad{
-              options.survey.share, options.survey.cache_bytes, {options.survey.growth, options.survey.patience_s}},
+          survey_options, SurveyLoad{options.survey.share, options.survey.cache_bytes},
           SurveyMappingOptions{{.window_s = options.mapping.pairing_window_s}, slam_profiles},
           SiteSurveyor::Stores{{sessions, records, mappings, maps, door_verdicts}, surveys, site_leases}, graphs,
           rearranger, survey_wake);

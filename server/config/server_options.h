@@ -96,11 +96,6 @@ struct ServerOptions {
     // The largest share of a processor for surveys, which make each room one map (docs/survey.md), 0 to 1. 0: sites are
     // not surveyed.
     double share = 0.25;
-    // While robots record at a site, it is surveyed again once what is new is this share of what the last survey saw, 0
-    // or more, ...
-    double growth = 1.0;
-    // ... and at the latest after this time, s. Once they rest, it is surveyed immediately.
-    double patience_s = 300.0;
     // Memory for what the last surveys have mapped, so that the next one goes on from there, bytes.
     std::int64_t cache_bytes = 512LL << 20;
   } survey;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -12,15 +11,6 @@
 
 namespace enfilade::storage {
 
-// A site with sessions that no survey has seen.
-struct PendingSurvey {
-  SiteId site = {};
-  std::int64_t scans = 0;  // of these sessions
-  double waiting_s = 0.0;  // since the first of them was finished
-  // Robots record at the site, or sessions are being mapped: more is to come.
-  bool under_way = false;
-};
-
 // Which sessions a survey of their site has seen since they were mapped (server/app/survey). Thread-safe; errors common
 // to all stores: see SiteStore.
 class SurveyStore {
@@ -29,7 +19,7 @@ class SurveyStore {
 
   // Sites with sessions that are mapped, whose doors are judged and that no survey has seen: the one that has waited
   // longest first.
-  virtual absl::StatusOr<std::vector<PendingSurvey>> FindPending(const CallContext& context, int limit) const = 0;
+  virtual absl::StatusOr<std::vector<SiteId>> FindPending(const CallContext& context, int limit) const = 0;
   // Sessions that do not exist are ignored. ABORTED if the lease is lost.
   virtual absl::Status MarkSurveyed(const CallContext& context, const SiteLease& lease,
                                     const std::vector<SessionId>& sessions) const = 0;

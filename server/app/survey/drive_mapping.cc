@@ -370,10 +370,8 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
   ENFILADE_ASSIGN_OR_RETURN(const auto maps, ListMaps(stores, site));
   std::set<int> levels;
   for (const storage::Session& session : sessions) {
-    if (!IsMapped(session)) continue;
-    survey.sessions.push_back(session.id);
-    survey.scans += session.record_counts.laser_scans;
-    if (maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
+    if (session.map && session.state == storage::SessionState::kMapped) survey.sessions.push_back(session.id);
+    if (IsMapped(session) && maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
   }
   const DriveReader reader(stores, site, run.proceed);
   SiteDrives drives;

@@ -37,7 +37,6 @@ struct MappedLevel {
 struct SiteSurvey {
   std::vector<MappedLevel> levels;
   std::vector<SessionId> sessions;  // that it contains
-  std::int64_t scans = 0;           // of these
   std::int64_t graph_version = 0;   // that it was made at
 };
 

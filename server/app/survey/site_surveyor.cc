@@ -22,7 +22,7 @@ namespace {
 constexpr auto kPoll = std::chrono::milliseconds(500);
 constexpr auto kSurveyStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
-constexpr int kSitesAtOnce = 256;  // most of them may have to wait
+constexpr int kSitesAtOnce = 32;
 // A session with several rooms is cut once a survey.
 constexpr int kSurveysInARow = 50;
 constexpr auto kRetry = std::chrono::seconds(2);
@@ -68,7 +68,6 @@ SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, const SurveyLoa
                            const Rearranger& rearranger, WakeSignal& wake)
     : options_(options),
       share_(load.share),
-      pace_(load.pace),
       mapping_(mapping),
       stores_(stores),
       graphs_(graphs),
@@ -100,18 +99,19 @@ bool SiteSurveyor::SurveyPending() {
   const auto pending = stores_.surveys.FindPending(SurveyorContext(), kSitesAtOnce);
   if (!pending.ok()) return false;  // readiness reports an unreachable database
   const Clock::time_point begin = Clock::now();
-  const auto due = std::find_if(pending->begin(), pending->end(),
-                                [&](const storage::PendingSurvey& one) { return IsDue(one, begin); });
-  if (due == pending->end()) return false;
-  const SiteId& site = due->site;
-  const absl::Status status = Survey(*due);
+  const auto site = std::find_if(pending->begin(), pending->end(), [&](const SiteId& one) {
+    const auto failing = failing_.find(one);
+    return failing == failing_.end() || failing->second.retry <= begin;
+  });
+  if (site == pending->end()) return false;
+  const absl::Status status = Survey(*site);
   caches_.Trim();
   // A survey works with large grids. Freed, they would stay with this thread's part of the heap.
   malloc_trim(0);
   if (status.ok()) {
-    failing_.erase(site);
+    failing_.erase(*site);
   } else if (!stop_.is_set()) {
-    CountFailure(site, status);
+    CountFailure(*site, status);
   }
   stop_.WaitFor(std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_)));
   return true;
@@ -127,22 +127,10 @@ void SiteSurveyor::CountFailure(const SiteId& site, const absl::Status& status) 
               status.ToString());
 }
 
-bool SiteSurveyor::IsDue(const storage::PendingSurvey& pending, Clock::time_point now) const {
-  if (const auto failing = failing_.find(pending.site); failing != failing_.end() && failing->second.retry > now) {
-    return false;
-  }
-  const auto surveyed = surveyed_.find(pending.site);
-  if (surveyed == surveyed_.end()) return true;
-  LastSurvey last = surveyed->second.survey;
-  last.age_s = std::chrono::duration<double>(now - surveyed->second.time).count();
-  return IsSurveyDue(pending, last, pace_);
-}
-
-absl::Status SiteSurveyor::Survey(const storage::PendingSurvey& pending) {
+absl::Status SiteSurveyor::Survey(const SiteId& site) {
   for (int i = 0; i < kSurveysInARow; ++i) {
-    ENFILADE_ASSIGN_OR_RETURN(const bool settled, SurveyOnce(pending.site));
-    if (!settled && pending.under_way) surveyed_[pending.site].survey.pending = pending.scans;
-    if (settled || pending.under_way) return absl::OkStatus();
+    ENFILADE_ASSIGN_OR_RETURN(const bool settled, SurveyOnce(site));
+    if (settled) return absl::OkStatus();
   }
   return Internal("after {} surveys the maps still change", kSurveysInARow);
 }
@@ -167,7 +155,6 @@ absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
   if (!changed) {
     ENFILADE_RETURN_IF_ERROR(stores_.surveys.MarkSurveyed(SurveyorContext(), *lease, survey.sessions));
   }
-  surveyed_[site] = {{.scans = survey.scans}, Clock::now()};
   const std::chrono::duration<double> took = Clock::now() - begin;
   spdlog::info("site {} surveyed: {} sessions on {} levels in {:.1f} s", site.value(), survey.sessions.size(),
                survey.levels.size(), took.count());

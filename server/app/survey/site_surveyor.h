@@ -16,7 +16,6 @@
 #include "server/app/runtime/wake_signal.h"
 #include "server/app/survey/drive_mapping.h"
 #include "server/app/survey/site_cache.h"
-#include "server/app/survey/survey_pace.h"
 #include "storage/graph/site_lease_store.h"
 #include "storage/graph/survey_store.h"
 
@@ -25,7 +24,6 @@ namespace enfilade::server {
 struct SurveyLoad {
   double share = 0.25;           // the largest share of the time that it surveys, above 0 and up to 1
   std::int64_t cache_bytes = 0;  // for what the last surveys have mapped; the last site's is kept even if it is larger
-  SurveyPace pace = {};
 };
 
 // Surveys sites whose sessions are mapped, and rearranges their maps until each is one room (core/survey). One thread;
@@ -56,9 +54,8 @@ class SiteSurveyor {
   // The site that has waited longest. False if there was nothing to do.
   bool SurveyPending();
   void CountFailure(const SiteId& site, const absl::Status& status);
-  bool IsDue(const storage::PendingSurvey& pending, Clock::time_point now) const;
-  // Until nothing more changes; once only while more is to come.
-  absl::Status Survey(const storage::PendingSurvey& pending);
+  // Until nothing more changes.
+  absl::Status Survey(const SiteId& site);
   // False if maps were rearranged: survey again.
   absl::StatusOr<bool> SurveyOnce(const SiteId& site);
   // True if something has changed.
@@ -66,7 +63,6 @@ class SiteSurveyor {
 
   const survey::SurveyOptions options_;
   const double share_;
-  const SurveyPace pace_;
   const SurveyMappingOptions mapping_;
   const Stores stores_;
   SiteGraphs& graphs_;
@@ -80,11 +76,6 @@ class SiteSurveyor {
     int times = 0;            // in a row
   };
   std::map<SiteId, Failing> failing_;  // the worker's only
-  struct Surveyed {
-    LastSurvey survey;  // without its age
-    Clock::time_point time;
-  };
-  std::map<SiteId, Surveyed> surveyed_;  // the worker's only
   std::thread worker_;
 };
 

@@ -159,8 +159,6 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
         Case{"transfers.cache_bytes", [](ServerOptions& o) { o.transfers.cache_bytes = 0; }},
         Case{"transfers.max_import_bytes", [](ServerOptions& o) { o.transfers.max_import_bytes = 0; }},
         Case{"survey.share", [](ServerOptions& o) { o.survey.share = 1.5; }},
-        Case{"survey.growth", [](ServerOptions& o) { o.survey.growth = -1.0; }},
-        Case{"survey.patience_s", [](ServerOptions& o) { o.survey.patience_s = -1.0; }},
         Case{"prior_maps.realign_s", [](ServerOptions& o) { o.prior_maps.realign_s = 0.5; }},
         Case{"retention.interval_s", [](ServerOptions& o) { o.retention.interval_s = 0.0; }},
         Case{"retention.undo_s", [](ServerOptions& o) { o.retention.undo_s = -1.0; }},
