@@ -11,7 +11,6 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/prior/alignment/model_choice.h"
 #include "core/prior/alignment/plan_shapes.h"
 #include "core/prior/alignment/refine.h"
 #include "core/prior/alignment/sheet_search.h"
@@ -105,17 +104,6 @@ class Aligner {
       if (model == TransformModel::kSimilarity || 1 - next.score < most_left * (1 - best.score)) best = next;
     }
     return best;
-  }
-
-  // The same place, with the distortion that walls which are held back bear out.
-  void ChooseDistortion(Alignment& alignment) const {
-    if (!options_.hold_back || options_.widest_model == TransformModel::kSimilarity) return;
-    const PlacedModel chosen =
-        ChooseModel(faces_, evidence_, {alignment.T_map_sheet, alignment.model}, options_.widest_model);
-    if (Apart(alignment.T_map_sheet, chosen.T_map_sheet) > kSamePlace) return;
-    alignment.T_map_sheet = chosen.T_map_sheet;
-    alignment.model = chosen.model;
-    alignment.agreement = Compare(FaceIndex(Transformed(faces_, chosen.T_map_sheet), kReach), evidence_);
   }
 
   // The place without its distortion, if that explains the map nearly as well.
@@ -310,7 +298,6 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
         RefinedFrom(aligner, {.transform = other, .model = TransformModel::kAnisotropic, .agreement = {}}, 3.0);
     if (IsBetter(next, alignment, options)) alignment = std::move(next);
   }
-  aligner.ChooseDistortion(alignment);
   alignment.accepted = true;
   alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
   if (fit.wrong)
@@ -327,7 +314,6 @@ Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const Pl
                     const AlignOptions& options) {
   const Aligner aligner(plan, evidence, options);
   Alignment alignment = RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
-  aligner.ChooseDistortion(alignment);
   alignment.reason = ObjectionTo(alignment, options);
   alignment.accepted = alignment.reason.empty();
   if (alignment.accepted) alignment.reason = "fits where it was placed before";
@@ -341,7 +327,6 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   const Aligner aligner(plan, evidence, options);
   std::vector<Candidate> candidates = aligner.Ranked(aligner.Finalists(Stretch::kNone));
   Alignment alignment = Verdict(plan, candidates, options);
-  if (alignment.accepted) aligner.ChooseDistortion(alignment);
   if (alignment.accepted || options.known_shape || options.widest_model != TransformModel::kAffine) return alignment;
   // With more freedom wrong plans fit better, too, so more is asked of a place.
   AlignOptions strict = options;
@@ -349,9 +334,7 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   strict.most_contradicted = options.sure_contradicted;
   for (Candidate& stretched : aligner.Finalists(Stretch::kAlongWalls)) candidates.push_back(std::move(stretched));
   Alignment stretched = Verdict(plan, aligner.Ranked(std::move(candidates)), strict);
-  if (!stretched.accepted) return alignment;
-  aligner.ChooseDistortion(stretched);
-  return stretched;
+  return stretched.accepted ? stretched : alignment;
 }
 
 }  // namespace enfilade::prior

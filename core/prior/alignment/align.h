@@ -39,11 +39,8 @@ struct AlignOptions {
   double mirror_gain = 1.1;  // a mirrored plan must fit so much better than any that is not
   // The distortions to try.
   TransformModel widest_model = TransformModel::kAffine;
-  // While places are compared, a distortion is taken if it leaves at most this share of what the simpler one leaves
-  // unexplained.
+  // A distortion is taken if it leaves at most this share of what the simpler one leaves unexplained.
   double most_left = 0.9;
-  // Of the place that was found, by walls that are held back (ChooseModel).
-  bool hold_back = true;
   // Only places like this one: its size within kKnownScale, its stretch, and mirrored if it is.
   std::optional<PlanTransform> known_shape = std::nullopt;
 };

@@ -127,8 +127,7 @@ FieldModel LikeliestModel(const std::vector<PlanOffset>& offsets, const std::vec
   }
   FieldModel best;
   double highest = -std::numeric_limits<double>::infinity();
-  // No less: bends explain the walls that were seen, too, and would leave the rest of the plan as it was placed.
-  for (const double distortion : {0.01, 0.03}) {
+  for (const double distortion : {0.003, 0.01, 0.03}) {
     for (const double bend : {0.03, 0.15, 0.4}) {
       for (const double range : {5.0, 10.0, 25.0}) {
         for (const double corner : {0.02, 0.06, 0.15}) {

@@ -27,10 +27,7 @@ AlignOptions AlignOptionsOf(FitMode mode) {
   AlignOptions options;
   // ACG places a plan by a similarity.
   if (mode == FitMode::kSimilarity || mode == FitMode::kAcg) options.widest_model = TransformModel::kSimilarity;
-  if (mode == FitMode::kAffine) {
-    options.most_left = 1;  // whatever fits no worse
-    options.hold_back = false;
-  }
+  if (mode == FitMode::kAffine) options.most_left = 1;  // whatever fits no worse
   return options;
 }
 
