@@ -96,8 +96,9 @@ class RearrangementStore {
   virtual absl::StatusOr<StoredRearrangement> Apply(const CallContext& context, const SiteLease& lease,
                                                     const RearrangementChange& change) const = 0;
   // Restores exactly what was before: poses, link points, evidence, layers; rasters as new revisions with the old
-  // content. Pins the maps that it leaves behind. ABORTED if the lease is lost; NOT_FOUND; FAILED_PRECONDITION if it has been undone already, if it
-  // is too old (StoredRearrangement::undo_expired), or naming what has been changed since: then nothing is undone.
+  // content. Pins the maps that it leaves behind. ABORTED if the lease is lost; NOT_FOUND; FAILED_PRECONDITION if it
+  // has been undone already, if it is too old (StoredRearrangement::undo_expired), or naming what has been changed
+  // since: then nothing is undone.
   virtual absl::StatusOr<StoredRearrangement> Undo(const CallContext& context, const SiteLease& lease,
                                                    const rearrange::RearrangementId& id) const = 0;
   // Where the id of a map leads to, through any number of redirects. A map that is not redirected, or does not exist,

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -80,11 +82,17 @@ class Pinned : public ::testing::Test {
 
 TEST_F(Pinned, MapsThatPeopleHaveMergedStayOneWhenRobotsDriveOn) {
   ASSERT_THAT(Maps(), SizeIs(4));
+  std::map<std::string, v1::Map::Environment> environments;
+  for (const v1::Map& map : Maps()) environments[map.name()] = map.environment();
   const std::vector<v1::LinkPoint> points = LinkPoints();
-  ASSERT_FALSE(points.empty());
+  const auto indoors = std::find_if(points.begin(), points.end(), [&](const v1::LinkPoint& point) {
+    return environments.at(point.anchors(0).map()) == v1::Map::ENVIRONMENT_INDOOR &&
+           environments.at(point.anchors(1).map()) == v1::Map::ENVIRONMENT_INDOOR;
+  });
+  ASSERT_NE(indoors, points.end());
   v1::MergeMapsRequest request;
-  request.set_name(points.front().anchors(0).map());
-  request.set_merged_map(points.front().anchors(1).map());
+  request.set_name(indoors->anchors(0).map());
+  request.set_merged_map(indoors->anchors(1).map());
   const auto merged = connection_.Call(&v1::MapService::Stub::MergeMaps, request);
   ASSERT_OK(merged);
   EXPECT_TRUE(merged->map().pinned());

@@ -50,7 +50,7 @@ void AddMapAlias(CLI::App& map, const Globals& globals);  // alias set | list | 
 void AddMapDiff(CLI::App& map, const Globals& globals);
 void AddGraphChange(CLI::App& graph, const Globals& globals);
 void AddLinkPointChange(CLI::App& linkpoint, const Globals& globals);  // move, undo
-void AddLinkPointPins(CLI::App& linkpoint, const Globals& globals);  // pin, unpin
+void AddLinkPointPins(CLI::App& linkpoint, const Globals& globals);    // pin, unpin
 void AddMapAlign(CLI::App& map, const Globals& globals);
 void AddMapEdit(CLI::App& map, const Globals& globals);
 void AddMapContested(CLI::App& map, const Globals& globals);
@@ -58,7 +58,7 @@ void AddMapDraft(CLI::App& map, const Globals& globals);
 void AddMapEditFile(CLI::App& map, const Globals& globals);  // edit
 void AddMapExport(CLI::App& map, const Globals& globals);
 void AddMapImport(CLI::App& map, const Globals& globals);
-void AddMapPins(CLI::App& map, const Globals& globals);  // pin, unpin
+void AddMapPins(CLI::App& map, const Globals& globals);     // pin, unpin
 void AddMapPublish(CLI::App& map, const Globals& globals);  // publish, rebase
 void AddMapRearrange(CLI::App& map, const Globals& globals);
 void AddMatchClouds(CLI::App& match, const Globals& globals);

@@ -34,8 +34,8 @@ grid::Rgb ColorOf(Sight sight) {
 
 nlohmann::json Position(const Eigen::Vector2d& point) { return {point.x(), point.y()}; }
 
-// Each wall with `state`, `stretch`, `thickness` (m) and `sigma_m`, then those that only robots have seen, then each door with `state`
-// (seen: robots know the ground there) and `sigma_m`.
+// Each wall with `state`, `stretch`, `thickness` (m) and `sigma_m`, then those that only robots have seen, then each
+// door with `state` (seen: robots know the ground there) and `sigma_m`.
 std::string WriteCorrectedWalls(const PlanGraph& plan, const PlanFit& fit) {
   const CorrectedPlan& corrected = *fit.corrected;
   nlohmann::json features = nlohmann::json::array();

@@ -162,9 +162,8 @@ void Overwrite(const v1::LinkPoint& from, const google::protobuf::FieldMask& mas
   const bool is_placed = IsUpdated(mask, "kind", from.kind() != 0) ||
                          IsUpdated(mask, "anchors", from.anchors_size() > 0) ||
                          IsUpdated(mask, "direction_map", !from.direction_map().empty());
-  const bool is_pinned_given =
-      std::find(mask.paths().begin(), mask.paths().end(), "pinned") != mask.paths().end() ||
-      (!is_placed && IsUpdated(mask, "pinned", from.has_pinned()));
+  const bool is_pinned_given = std::find(mask.paths().begin(), mask.paths().end(), "pinned") != mask.paths().end() ||
+                               (!is_placed && IsUpdated(mask, "pinned", from.has_pinned()));
   if (is_placed || is_pinned_given) to.set_pinned(!is_pinned_given || from.pinned());
   if (IsUpdated(mask, "kind", from.kind() != 0)) to.set_kind(from.kind());
   if (IsUpdated(mask, "tag", !from.tag().empty())) to.set_tag(from.tag());

@@ -11,7 +11,8 @@ absl::StatusOr<v1::UpdateMapResponse> UpdateMap(const Services& services, const 
   v1::UpdateMapResponse response;
   const auto& mask = request.update_mask();
   const v1::Map& wanted = request.map();
-  ENFILADE_RETURN_IF_ERROR(CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline", "pinned"}));
+  ENFILADE_RETURN_IF_ERROR(
+      CheckMask(mask, {"display_name", "level", "environment", "slam_profile", "outline", "pinned"}));
   ENFILADE_ASSIGN_OR_RETURN(const convert::MapName name, convert::ParseMapName("map.name", wanted.name()));
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t etag, ParseEtag(wanted.etag()));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Map stored, services.maps.Get(call.context(), name.site, name.map));

@@ -177,10 +177,11 @@ absl::Status InsertLinkPoint(Transaction& transaction, const StoredLinkPoint& li
     const absl::Status fits = CheckNotRedundant(created, AnchorChange::kAdded, nearby.others);
     if (!fits.ok()) return WhyRefused(transaction, site, point.id, point.anchors, fits);
   }
-  transaction.Queue(kInsertLinkPoint, Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag,
-                                             DirectionOf(point), std::int32_t{point.difficulty}, EnvironmentOf(created),
-                                             static_cast<std::int16_t>(point.state), ValidUntilOf(point),
-                                             created.forced, point.pinned, version, IdOrNull(request_id), DigestOrNull(request_id)));
+  transaction.Queue(kInsertLinkPoint,
+                    Params(site, point.id, static_cast<std::int16_t>(point.kind), point.tag, DirectionOf(point),
+                           std::int32_t{point.difficulty}, EnvironmentOf(created),
+                           static_cast<std::int16_t>(point.state), ValidUntilOf(point), created.forced, point.pinned,
+                           version, IdOrNull(request_id), DigestOrNull(request_id)));
   QueueAnchors(transaction, site, point.id, point.anchors);
   return FlushAndPlace(transaction, created, version);
 }

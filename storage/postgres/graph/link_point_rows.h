@@ -15,7 +15,7 @@ namespace enfilade::storage::postgres {
 // of a link point are adjacent.
 #define ENFILADE_LINK_POINT_COLUMNS                                                                            \
   "p.site_id, p.link_point_id, p.kind, p.tag, p.direction_map_id, p.difficulty, p.environment, p.state,"       \
-  " p.valid_until, p.\"use\", p.forced, p.pinned, p.position IS NOT NULL, coalesce(ST_X(p.position), 0),"                \
+  " p.valid_until, p.\"use\", p.forced, p.pinned, p.position IS NOT NULL, coalesce(ST_X(p.position), 0),"      \
   " coalesce(ST_Y(p.position), 0), coalesce(p.yaw, 0), coalesce(p.world_covariance, '{}'), p.changed_version," \
   " p.etag, p.create_time, p.update_time, a.map_id, a.x, a.y, a.yaw, a.covariance"
 #define ENFILADE_JOIN_ANCHORS \

@@ -19,7 +19,8 @@ namespace {
 constexpr Statement kInsertMap{
     "creating the map",
     "INSERT INTO enfilade.maps (site_id, map_id, display_name, level, environment, slam_profile, outline, pinned,"
-    " request_id, request_sha256) VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8, $9, $10) RETURNING " ENFILADE_MAP_COLUMNS};
+    " request_id, request_sha256) VALUES ($1, $2, $3, $4, $5, $6, ST_GeomFromWKB($7, 0), $8, $9, $10) "
+    "RETURNING " ENFILADE_MAP_COLUMNS};
 constexpr Statement kFindMapRequest{"looking for an earlier request",
                                     "SELECT " ENFILADE_MAP_COLUMNS ENFILADE_SAME_REQUEST(
                                         "$3") " FROM enfilade.maps WHERE site_id = $1 AND request_id = $2"};
@@ -177,10 +178,10 @@ absl::StatusOr<Map> MapStore::Create(const CallContext& context, const Map& map,
   const std::string outline = EncodePolygon(map.outline);
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
   QueueGraphLock(transaction, map.site);
-  transaction.Queue(kInsertMap, Params(map.site, map.id, map.display_name, std::int32_t{map.level},
-                                       static_cast<std::int16_t>(map.environment), map.slam_profile,
-                                       BytesOrNull(outline), map.pinned, IdOrNull(request_id),
-                                       DigestOrNull(request_id)));
+  transaction.Queue(
+      kInsertMap,
+      Params(map.site, map.id, map.display_name, std::int32_t{map.level}, static_cast<std::int16_t>(map.environment),
+             map.slam_profile, BytesOrNull(outline), map.pinned, IdOrNull(request_id), DigestOrNull(request_id)));
   const auto inserted = transaction.Flush();
   if (inserted.ok()) {
     ENFILADE_RETURN_IF_ERROR(NotifyOfPresentGraph(transaction, map.site));

@@ -17,7 +17,8 @@ void PrintPin(const Globals& globals, const std::string& name, bool pinned) {
   if (globals.json) {
     PrintJson(std::cout, {{"name", name}, {"pinned", pinned}});
   } else {
-    std::cout << name << (pinned ? " is pinned: surveys leave it as it is\n" : " is not pinned: surveys may change it\n");
+    std::cout << name
+              << (pinned ? " is pinned: surveys leave it as it is\n" : " is not pinned: surveys may change it\n");
   }
 }
 
@@ -49,10 +50,10 @@ absl::Status PinLinkPoint(const Globals& globals, const std::string& id, bool pi
 void AddMapPins(CLI::App& map, const Globals& globals) {
   for (const bool pinned : {true, false}) {
     const auto name = std::make_shared<std::string>();
-    CLI::App* command = AddCommand(map, pinned ? "pin" : "unpin",
-                                   pinned ? "Keep a map's sessions together, whatever surveys find"
-                                          : "Let surveys divide and join a map again",
-                                   [&globals, name, pinned] { return PinMap(globals, *name, pinned); });
+    CLI::App* command = AddCommand(
+        map, pinned ? "pin" : "unpin",
+        pinned ? "Keep a map's sessions together, whatever surveys find" : "Let surveys divide and join a map again",
+        [&globals, name, pinned] { return PinMap(globals, *name, pinned); });
     command->add_option("MAP", *name, "Its name, id or resource name")->required();
     command->footer(std::string("Example: enfilade map ") + (pinned ? "pin" : "unpin") + " \"Corridor\"");
   }
@@ -61,10 +62,10 @@ void AddMapPins(CLI::App& map, const Globals& globals) {
 void AddLinkPointPins(CLI::App& linkpoint, const Globals& globals) {
   for (const bool pinned : {true, false}) {
     const auto id = std::make_shared<std::string>();
-    CLI::App* command = AddCommand(linkpoint, pinned ? "pin" : "unpin",
-                                   pinned ? "Keep one where it is, whatever surveys find"
-                                          : "Let surveys move and remove one again",
-                                   [&globals, id, pinned] { return PinLinkPoint(globals, *id, pinned); });
+    CLI::App* command =
+        AddCommand(linkpoint, pinned ? "pin" : "unpin",
+                   pinned ? "Keep one where it is, whatever surveys find" : "Let surveys move and remove one again",
+                   [&globals, id, pinned] { return PinLinkPoint(globals, *id, pinned); });
     command->add_option("LINKPOINT", *id, "Its id or resource name")->required();
     command->footer(std::string("Example: enfilade linkpoint ") + (pinned ? "pin" : "unpin") + " door-3");
   }

@@ -37,8 +37,8 @@ TEST(ArrangePinned, APinnedMapOfTwoRoomsStaysOne) {
 TEST(ArrangePinned, WhatRobotsRecordLaterInItsRoomsJoinsIt) {
   LevelSurvey survey = TwoRoomsInOneMap();
   // A longer drive in the south room, in a map that a verdict began.
-  survey.drives.push_back(
-      MakeDrive({{"t", "b", {1.0, 1.0, 0.3}, {{0.5, 0.5}, {3.5, 0.5}, {3.5, 2.0}, {0.5, 2.0}, {0.5, 0.5}, {3.5, 0.5}}}}));
+  survey.drives.push_back(MakeDrive(
+      {{"t", "b", {1.0, 1.0, 0.3}, {{0.5, 0.5}, {3.5, 0.5}, {3.5, 2.0}, {0.5, 2.0}, {0.5, 0.5}, {3.5, 0.5}}}}));
   survey.maps.push_back({.id = MapId("b")});
   const rearrange::Rearrangement change = Arrange(survey);
   EXPECT_THAT(change.cuts, IsEmpty());
@@ -69,7 +69,8 @@ TEST(ArrangePinned, TwoPinnedMapsOfOneRoomStayTwoWithTheirLinkPoints) {
   survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {5.0, 4.0}}},
                               {"s2", "b", kPlaceB, {{5.0, 4.0}, {1.5, 4.0}, {1.5, 3.0}}},
                               {"s3", "c", {}, {{1.5, 2.0}, {3.0, 1.0}}}})};
-  survey.maps = {{.id = MapId("a"), .root = true, .pinned = true}, {.id = MapId("b"), .pinned = true}, {.id = MapId("c")}};
+  survey.maps = {
+      {.id = MapId("a"), .root = true, .pinned = true}, {.id = MapId("b"), .pinned = true}, {.id = MapId("c")}};
   const Pose2 opening{5.0, 4.0, M_PI};
   const Pose2 door{1.5, 2.75, -M_PI / 2};
   survey.link_points = {Join("opening", AnchorAt("a", {}, opening), AnchorAt("b", kPlaceB, opening)),
