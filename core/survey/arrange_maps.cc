@@ -47,14 +47,19 @@ class MapArranger {
   }
 
   // A session is cut once at a time, near its middle, so that few surveys suffice for many rooms: the next one sees two
-  // sessions, and cuts each of them. Until then only the rooms where the two begin count.
+  // sessions, and cuts each of them. Until then only the rooms where the two begin count. Those of pinned maps are not
+  // cut.
   void DeferLaterCuts() {
     std::vector<Stretch> kept;
     for (auto begin = found_.stretches.cbegin(); begin != found_.stretches.cend();) {
       const auto end = std::find_if(begin, found_.stretches.cend(), [&](const Stretch& stretch) {
         return stretch.drive != begin->drive || stretch.session != begin->session;
       });
-      KeepTwoRooms(begin, end, kept);
+      if (IsPinned(SessionOf(*begin).map)) {
+        kept.insert(kept.end(), begin, end);
+      } else {
+        KeepTwoRooms(begin, end, kept);
+      }
       begin = end;
     }
     found_.stretches = std::move(kept);

@@ -34,6 +34,30 @@ TEST(ArrangePinned, APinnedMapOfTwoRoomsStaysOne) {
   EXPECT_THAT(Arrange(survey).new_maps, SizeIs(1));
 }
 
+TEST(ArrangePinned, AllRoomsOfASessionOfAPinnedMapAreOneMap) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s",
+                               "a",
+                               {},
+                               {{1.5, 1.0},
+                                {3.5, 0.5},
+                                {1.5, 1.0},
+                                {1.5, 4.0},
+                                {5.0, 4.0},
+                                {5.0, 7.0},
+                                {3.5, 7.0},
+                                {5.0, 7.0},
+                                {5.0, 4.0},
+                                {9.0, 4.0}}}}),
+                   MakeDrive({{"t", "b", {}, {{3.5, 6.0}, {5.5, 6.0}, {5.5, 7.0}, {3.5, 7.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true, .pinned = true}, {.id = MapId("b")}};
+  const rearrange::Rearrangement change = Arrange(survey);
+  ASSERT_THAT(change.moves, SizeIs(1));
+  EXPECT_EQ(change.moves[0].session, SessionId("t"));
+  EXPECT_EQ(change.moves[0].to, MapId("a"));
+  EXPECT_THAT(change.cuts, IsEmpty());
+}
+
 TEST(ArrangePinned, WhatRobotsRecordLaterInItsRoomsJoinsIt) {
   LevelSurvey survey = TwoRoomsInOneMap();
   // A longer drive in the south room, in a map that a verdict began.
