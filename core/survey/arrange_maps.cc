@@ -118,19 +118,24 @@ class MapArranger {
     }
   }
 
-  // A pinned map may be that of several rooms: those that it was driven in farther than a session goes on behind its
-  // door, or farther than any other map. Returns the pinned maps.
+  // A pinned map may be that of several rooms: those that one of its sessions was in farther than a session goes on
+  // behind its door, or that it was driven in farther than any other map. Returns the pinned maps.
   std::set<MapId> ChoosePinnedMaps() {
     constexpr double kBehindDoor = 4.0;  // m
     std::set<MapId> pinned;
-    std::map<int, double> farthest;         // m, by room
-    std::map<int, double> farthest_pinned;  // m, by room
+    std::map<int, double> farthest;                     // m, by room
+    std::map<int, double> farthest_pinned;              // m, by room
+    std::map<std::pair<int, MapId>, double> at_a_time;  // m, the longest stretch
     for (const auto& [pair, length] : driven_) farthest[pair.first] = std::max(farthest[pair.first], length);
+    for (const Stretch& stretch : found_.stretches) {
+      double& longest = at_a_time[{stretch.room, SessionOf(stretch).map}];
+      longest = std::max(longest, stretch.length);
+    }
     for (const auto& [pair, length] : driven_) {
       const auto& [room, map] = pair;
       if (!IsPinned(map)) continue;
       pinned.insert(map);
-      if (length < kBehindDoor && length < farthest[room]) continue;
+      if (at_a_time[pair] < kBehindDoor && length < farthest[room]) continue;
       double& best = farthest_pinned[room];
       if (length <= best) continue;
       best = length;

@@ -80,6 +80,7 @@ absl::StatusOr<v1::LinkPoint> LinkPointOfRow(const std::string& text) {
   link_point.set_state(static_cast<v1::LinkPoint::State>(row.Integer("state")));
   link_point.set_use(static_cast<v1::LinkPoint::Use>(row.Integer("use")));
   link_point.set_forced(row.Flag("forced"));
+  if (row.Find("pinned").has_bool_value()) link_point.set_pinned(row.Flag("pinned"));  // older rows lack it
   const std::string until = row.Text("valid_until");
   if (until.empty()) return link_point;
   absl::Time time;

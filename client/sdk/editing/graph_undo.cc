@@ -80,7 +80,7 @@ class InverseUpdate {
     ENFILADE_ASSIGN_OR_RETURN(const v1::LinkPoint before, LinkPointOfRow(change.before));
     ENFILADE_ASSIGN_OR_RETURN(const v1::LinkPoint after, LinkPointOfRow(change.after));
     for (const char* path :
-         {"kind", "tag", "direction_map", "difficulty", "environment", "state", "state_valid_until"}) {
+         {"kind", "tag", "direction_map", "difficulty", "environment", "state", "pinned", "state_valid_until"}) {
       if (IsSameField(path, before, after)) continue;
       if (!IsSameField(path, after, present_)) return ChangedSince(present_.name(), path);
       CopyField(path, before);
@@ -139,6 +139,7 @@ class InverseUpdate {
     if (path == "difficulty") return a.difficulty() == b.difficulty();
     if (path == "environment") return a.environment() == b.environment();
     if (path == "state") return a.state() == b.state();
+    if (path == "pinned") return !a.has_pinned() || !b.has_pinned() || a.pinned() == b.pinned();
     return a.has_state_valid_until() == b.has_state_valid_until() &&
            MessageDifferencer::Equals(a.state_valid_until(), b.state_valid_until());
   }
@@ -150,6 +151,7 @@ class InverseUpdate {
     if (path == "difficulty") wanted_.set_difficulty(from.difficulty());
     if (path == "environment") wanted_.set_environment(from.environment());
     if (path == "state") wanted_.set_state(from.state());
+    if (path == "pinned") wanted_.set_pinned(from.pinned());
     if (path != "state_valid_until") return;
     wanted_.clear_state_valid_until();
     if (from.has_state_valid_until()) *wanted_.mutable_state_valid_until() = from.state_valid_until();

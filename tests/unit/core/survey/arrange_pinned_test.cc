@@ -87,6 +87,19 @@ TEST(ArrangePinned, TheEndOfASessionBehindItsDoorTakesNoRoom) {
   EXPECT_TRUE(Arrange(after).empty());
 }
 
+TEST(ArrangePinned, TheEndsOfManySessionsTakeNoRoomEither) {
+  LevelSurvey survey;
+  for (int i = 0; i < 4; ++i) {
+    const std::string n = std::to_string(i);
+    survey.drives.push_back(MakeDrive(
+        {{"s" + n, "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 0.5}}}, {"t" + n, "b", {}, {{1.5, 0.5}, {3.5, 0.5}}}}));
+  }
+  survey.maps = {{.id = MapId("a"), .root = true, .pinned = true}, {.id = MapId("b")}};
+  survey.drives.push_back(MakeDrive({{"u", "b", {}, {{3.5, 0.5}, {0.5, 0.5}, {3.5, 0.5}, {0.5, 0.5}, {3.5, 0.5}}}}));
+  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
+  EXPECT_THAT(Arrange(survey).moves, IsEmpty());
+}
+
 // People have split the corridor in two, and an opening joins both.
 TEST(ArrangePinned, TwoPinnedMapsOfOneRoomStayTwoWithTheirLinkPoints) {
   LevelSurvey survey;
