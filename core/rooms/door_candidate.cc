@@ -43,7 +43,7 @@ std::optional<DoorCandidate> CrossOpening(const GroundMap& ground, const Eigen::
   for (double at = 0.0; at < max_length; at += 1.0) {
     const Eigen::Vector2d p = from + at * direction;
     const bool solid = !ground.IsOpen(p);
-    if (solid && open >= 2) return DoorCandidate{RoundedToCell(last_wall), RoundedToCell(p), false};
+    if (solid && open >= 2) return DoorCandidate{RoundedToCell(last_wall), RoundedToCell(p)};
     open = solid ? 0 : open + 1;
     if (solid) last_wall = p;
   }
@@ -154,6 +154,21 @@ std::vector<DoorCandidate> AlignWithWalls(const GroundMap& ground, const DoorCan
     }
   }
   return lines;
+}
+
+bool Crosses(const DoorCandidate& one, const DoorCandidate& other) {
+  const auto side = [](const DoorCandidate& line, const Eigen::Vector2d& p) {
+    const Eigen::Vector2d along = line.b - line.a;
+    const Eigen::Vector2d to = p - line.a;
+    return along.x() * to.y() - along.y() * to.x();
+  };
+  return side(one, other.a) * side(one, other.b) < 0.0 && side(other, one.a) * side(other, one.b) < 0.0;
+}
+
+bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double apart) {
+  constexpr double kMostTurn = M_PI / 3.0;
+  const double turn = std::abs((one.b - one.a).normalized().dot((other.b - other.a).normalized()));
+  return turn >= std::cos(kMostTurn) && (one.middle() - other.middle()).norm() < apart;
 }
 
 }  // namespace enfilade::rooms

@@ -16,7 +16,6 @@ struct DoorEvidence;
 struct DoorCandidate {
   Eigen::Vector2d a = Eigen::Vector2d::Zero();  // centres of the wall cells at its ends
   Eigen::Vector2d b = Eigen::Vector2d::Zero();
-  bool passed = false;  // a robot is known to have driven through
 
   double length() const { return (b - a).norm(); }
   Eigen::Vector2d middle() const { return (a + b) / 2.0; }
@@ -38,5 +37,10 @@ std::vector<DoorCandidate> AlignWithWalls(const GroundMap& ground, const DoorCan
 
 // The most frequent direction of straight walls around `at`, radians modulo a right angle; unset without walls.
 std::optional<double> WallDirectionNear(const GroundMap& ground, const Eigen::Vector2d& at);
+
+bool Crosses(const DoorCandidate& one, const DoorCandidate& other);
+
+// They lie in about the same direction, less than `apart` cells from each other.
+bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double apart);
 
 }  // namespace enfilade::rooms

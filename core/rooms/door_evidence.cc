@@ -232,7 +232,6 @@ DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candid
   DoorEvidence evidence;
   evidence.width = ClearStretch(ground, candidate) * ground.resolution;
   evidence.length = candidate.length() * ground.resolution;
-  evidence.passed = candidate.passed;
   evidence.b = JambAt(ground, candidate.b, along);
   evidence.a = JambAt(ground, candidate.a, -along);
   std::swap(evidence.a.across_before, evidence.a.across_behind);
@@ -272,7 +271,9 @@ DoorValues ValuesOf(const DoorEvidence& evidence) {
   all[22] = std::min({one.across_before, one.across_behind, other.across_before, other.across_behind});
   all[23] = std::min(one.*walled, other.*walled);
   all[24] = std::min(one.*bare, other.*bare);
-  all[25] = evidence.passed ? 1.0 : 0.0;
+  constexpr double kMostReports = 3.0;
+  all[25] = std::min(static_cast<double>(evidence.reports), kMostReports);
+  all[26] = evidence.silence;
   return all;
 }
 

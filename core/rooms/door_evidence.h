@@ -33,7 +33,9 @@ struct DoorEvidence {
   double wider_before = 0.0;
   double wider_behind = 0.0;
   double aligned = 0.0;  // share of the straight walls within 2.5 m that run along or across the line
-  bool passed = false;   // DoorCandidate::passed
+  // What robots' door detectors say (passage_silence.h).
+  int reports = 0;       // passages reported at the line
+  double silence = 0.0;  // minus the logarithm of how likely a door would have been passed without a report so often
 };
 
 DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candidate);
@@ -43,7 +45,7 @@ JambEvidence JambAt(const GroundMap& ground, const Eigen::Vector2d& jamb, const 
 
 // The evidence as numbers that depend neither on which jamb is `a` nor on which side is before the line: what the odds
 // are fitted to (door_odds.h).
-using DoorValues = std::array<double, 26>;
+using DoorValues = std::array<double, 27>;
 DoorValues ValuesOf(const DoorEvidence& evidence);
 
 }  // namespace enfilade::rooms

@@ -64,23 +64,7 @@ DoorCandidate Extended(const GroundMap& ground, const Eigen::Vector2d& a, const 
     }
     return end;
   };
-  return {extend(a, -along), extend(b, along), false};
-}
-
-bool Crosses(const DoorCandidate& one, const DoorCandidate& other) {
-  const auto side = [](const DoorCandidate& line, const Eigen::Vector2d& p) {
-    const Eigen::Vector2d along = line.b - line.a;
-    const Eigen::Vector2d to = p - line.a;
-    return along.x() * to.y() - along.y() * to.x();
-  };
-  return side(one, other.a) * side(one, other.b) < 0.0 && side(other, one.a) * side(other, one.b) < 0.0;
-}
-
-// They lie in about the same direction, less than `apart` cells from each other.
-bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double apart) {
-  constexpr double kMostTurn = M_PI / 3.0;
-  const double turn = std::abs((one.b - one.a).normalized().dot((other.b - other.a).normalized()));
-  return turn >= std::cos(kMostTurn) && (one.middle() - other.middle()).norm() < apart;
+  return {extend(a, -along), extend(b, along)};
 }
 
 // The line that a robot went through which reports a passage across `passage`: it may have gone through the door
@@ -160,8 +144,7 @@ void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, st
       lines.push_back({own, GatherEvidence(ground, own), 0.0});
       line = &lines.back();
     }
-    line->line.passed = true;
-    line->evidence.passed = true;
+    ++line->evidence.reports;
     line->openness = OpennessOf(line->evidence);
   }
 }

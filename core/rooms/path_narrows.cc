@@ -49,7 +49,7 @@ Section SectionAt(const GroundMap& ground, const Eigen::Vector2d& at, const Eige
   const auto a = FirstObstacle(ground, at, -direction, max_length);
   const auto b = a ? FirstObstacle(ground, at, direction, max_length - (*a - at).norm()) : std::nullopt;
   if (!b) return {{}, 2.0 * max_length};
-  return {{*a, *b, false}, (*b - *a).norm()};
+  return {{*a, *b}, (*b - *a).norm()};
 }
 
 // The direction of the walls around each point, radians: of the four, the one nearest to that of the point before.

@@ -17,6 +17,7 @@
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/door_lines.h"
 #include "core/rooms/ground.h"
+#include "core/rooms/passage_silence.h"
 #include "core/rooms/region_graph.h"
 #include "core/rooms/region_map.h"
 
@@ -45,6 +46,7 @@ class Partitioner {
     lines_ = FindDoorLines(ground_, field_, options_);
     AddNarrowsOnPath(ground_, geometry_, evidence_.trajectory, options_, lines_);
     AddPassages(ground_, geometry_, evidence_.passages, lines_);
+    WeighSilence(geometry_, evidence_, lines_);
     std::vector<DoorCandidate> lines;
     for (const DoorLine& line : lines_) lines.push_back(line.line);
     cut_ = CutAlong(ground_, field_, lines);

@@ -19,6 +19,7 @@
 #include "core/base/status_macros.h"
 #include "core/grid/files/plan_image.h"
 #include "core/rooms/door_lines.h"
+#include "core/rooms/passage_silence.h"
 #include "core/rooms/room_partition.h"
 #include "fmt/format.h"
 #include "io/file.h"
@@ -196,6 +197,7 @@ class RoomsBench {
     const std::vector<rooms::DoorLine> others =
         rooms::JudgeNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
     lines.insert(lines.end(), others.begin(), others.end());
+    rooms::WeighSilence(grid.geometry, known, lines);
     for (const rooms::DoorLine& line : lines) {
       const Eigen::Vector2d a = rooms::ToMap(grid.geometry, line.line.a);
       const Eigen::Vector2d b = rooms::ToMap(grid.geometry, line.line.b);

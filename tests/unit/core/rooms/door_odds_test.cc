@@ -105,7 +105,7 @@ TEST(DoorOdds, ALineBetweenJambsThatAreNotOppositeFollowsTheWall) {
       "#####################",
   });
   const GroundMap ground = ReadGround(drawn.grid, {}, {});
-  const DoorCandidate oblique{{49.0, 32.0}, {65.0, 42.0}, false};
+  const DoorCandidate oblique{{49.0, 32.0}, {65.0, 42.0}};
   const std::vector<DoorCandidate> aligned = AlignWithWalls(ground, oblique, 112.0);
   ASSERT_FALSE(aligned.empty());
   for (const DoorCandidate& line : aligned) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -41,6 +42,18 @@ class DrawnRooms {
       return {(static_cast<double>(column) + 0.5) * side, (static_cast<double>(rows_.size() - 1 - row) + 0.5) * side};
     }
     return Eigen::Vector2d::Constant(-1.0);
+  }
+
+  // From letter to letter, with a point each 0.3 m.
+  std::vector<Eigen::Vector2d> Path(std::string_view letters) const {
+    std::vector<Eigen::Vector2d> path;
+    for (const char letter : letters) {
+      const Eigen::Vector2d to = (*this)[letter];
+      const Eigen::Vector2d from = path.empty() ? to : path.back();
+      const int steps = std::max(1, static_cast<int>((to - from).norm() / 0.3));
+      for (int k = 1; k <= steps; ++k) path.push_back(from + (to - from) * k / steps);
+    }
+    return path;
   }
 
   grid::OccupancyGrid grid;

@@ -11,18 +11,6 @@
 namespace enfilade::rooms {
 namespace {
 
-// From letter to letter.
-std::vector<Eigen::Vector2d> Path(const DrawnRooms& drawn, const std::string& letters) {
-  std::vector<Eigen::Vector2d> path;
-  for (std::size_t i = 0; i < letters.size(); ++i) {
-    const Eigen::Vector2d to = drawn[letters[i]];
-    const Eigen::Vector2d from = path.empty() ? to : path.back();
-    const int steps = std::max(1, static_cast<int>((to - from).norm() / 0.3));
-    for (int k = 1; k <= steps; ++k) path.push_back(from + (to - from) * k / steps);
-  }
-  return path;
-}
-
 std::vector<DoorCandidate> NarrowsOn(const DrawnRooms& drawn, const std::vector<Eigen::Vector2d>& path) {
   const GroundMap ground = ReadGround(drawn.grid, {}, path);
   return FindNarrowsOnPath(ground, drawn.grid.geometry, path, 2.0);
@@ -62,12 +50,12 @@ TEST(PathNarrows, AStraightCorridorHasNone) {
       "#                            #",
       "##############################",
   });
-  EXPECT_TRUE(NarrowsOn(drawn, Path(drawn, "ab")).empty());
+  EXPECT_TRUE(NarrowsOn(drawn, drawn.Path("ab")).empty());
 }
 
 TEST(PathNarrows, ADoorIsFoundHoweverObliquelyItIsPassed) {
   const DrawnRooms drawn = DoorBeforeABox();
-  const std::vector<DoorCandidate> narrows = NarrowsOn(drawn, Path(drawn, "abc"));
+  const std::vector<DoorCandidate> narrows = NarrowsOn(drawn, drawn.Path("abc"));
   // The wall's row is 9 squares of 5 cells up, its gap from column 8 to 13.
   const auto is_the_door = [](const DoorCandidate& line) {
     return std::abs(line.a.y() - line.b.y()) <= 1.0 && line.middle().y() > 44.0 && line.middle().y() < 50.0 &&
@@ -84,7 +72,7 @@ TEST(PathNarrows, AJumpIsNoWay) {
 
 TEST(PathNarrows, TheirDoorsPartRooms) {
   const DrawnRooms drawn = DoorBeforeABox();
-  const RoomPartition partition = PartitionRooms(drawn.grid, {}, {{}, Path(drawn, "abc")});
+  const RoomPartition partition = PartitionRooms(drawn.grid, {}, {{}, drawn.Path("abc")});
   EXPECT_NE(partition.RoomAt(drawn['a']), partition.RoomAt(drawn['c']));
 }
 
