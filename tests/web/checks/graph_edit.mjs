@@ -95,6 +95,24 @@ export function addGraphEdit(stage) {
     await close();
   });
 
+  test('drag_link_point: what is placed by hand is pinned, until a person gives it back to surveys', async () => {
+    const site = 'pinned';
+    await twoRooms(system, site);
+    const { page, close } = await edit(stage, site, 'linkPoints/door');
+    const pin = page.getByLabel('Pinned: surveys leave it as it is');
+    assert.ok(await pin.isChecked(), 'people have made it');
+    await pin.uncheck();
+    await save(page).click();
+    await saved(page);
+    assert.ok(!(await linkPointOf(system, site, 'door')).pinned);
+    await drag(page, grip(page, 'Place of the anchor', 'b'), 30, -20);
+    await previewed(page);
+    assert.ok(await pin.isChecked(), 'a drag pins it');
+    await save(page).click();
+    await until('it is stored so', async () => (await linkPointOf(system, site, 'door')).pinned);
+    await close();
+  });
+
   test('drag_link_point: the ellipse and the wedge are pulled, entered and taken from presets', async () => {
     const site = 'spread';
     await twoRooms(system, site);

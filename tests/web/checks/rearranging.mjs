@@ -24,6 +24,10 @@ export function addRearranging(stage) {
     assert.deepEqual(await faultsOf(page), []);
     await question.getByRole('button', { name: 'Merge them' }).click();
     await until('there is one map', async () => (await graphOf(system, site)).maps.length === 1);
+    const pin = page.getByLabel('Pinned: surveys leave it as it is');
+    await until('the merged map is pinned', () => pin.isChecked());
+    await pin.click();
+    await until('it is given back to surveys', async () => !(await system.call(`sites/${site}/maps/a`)).map.pinned);
     await page.goto(at(`${site}/history/rearranged`));
     await page.getByRole('button', { name: /^Undo: b into a/ }).click();
     await page.getByRole('button', { name: 'Undo it' }).click();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from 'vitest';
 import { LinkPoint_Kind as Kind, LinkPoint_State as State, LinkPoint_Use as Use } from '../gen/enfilade/v1/link_point_pb';
-import { anchorsOf, changesOf, editOf, isIdle, laidOn, movedTo, spreadTo, toggled, wantedOf, withoutAnchor } from './draft';
+import { anchorsOf, changesOf, editOf, isIdle, isPinned, laidOn, movedTo, pinToggled, spreadTo, toggled, wantedOf, withoutAnchor } from './draft';
 import { nothingDrafted, stepped, type Drafted } from './drafted';
 import { byHand, covarianceOf } from './spread';
 import { linkPoint, linkPointName, mapName, scanner } from './testing';
@@ -99,4 +99,22 @@ test('dropping one link point leaves the others', () => {
   let state = stepped(nothingDrafted, { edits: [toggled(editOf(door)), toggled(editOf(lift))] });
   state = stepped(state, { drop: door.name });
   expect([...state.draft.keys()]).toEqual([linkPointName('lift')]);
+});
+
+test('what is placed by hand is pinned, unless the person says otherwise', () => {
+  const paths = (edit: Parameters<typeof isPinned>[0]) => changesOf(new Map([[edit.base.name, edit]])).map(({ updateMask }) => updateMask?.paths);
+  const moved = movedTo(editOf(door), mapName('a'), pose);
+  expect([isPinned(editOf(door)), isPinned(moved), isPinned(pinToggled(moved))]).toEqual([false, true, false]);
+  expect(paths(moved)).toEqual([['anchors']]);
+  expect(paths(pinToggled(moved))).toEqual([['anchors', 'pinned']]);
+  expect(wantedOf(pinToggled(moved)).pinned).toBe(false);
+});
+
+test('a pin alone is a change, and taken back twice is none', () => {
+  const pinned = linkPoint('door', { a: [1, 2, 0] }, { pinned: true });
+  const [change] = changesOf(new Map([[door.name, pinToggled(editOf(pinned))]]));
+  expect(change?.updateMask?.paths).toEqual(['pinned']);
+  expect(change?.change.value).toMatchObject({ pinned: false });
+  expect(isIdle(pinToggled(pinToggled(editOf(pinned))))).toBe(true);
+  expect(isIdle(laidOn(pinToggled(editOf(pinned)), linkPoint('door', { a: [1, 2, 0] })))).toBe(true);
 });

@@ -23,6 +23,8 @@ export interface Edit {
   kind?: LinkPoint['kind'];
   state?: LinkPoint['state'];
   use?: 'suspended' | 'resumed';
+  // Whether surveys leave it as it is; unset: they do once it has been placed by hand.
+  pinned?: boolean;
   isDeleted?: boolean;
 }
 
@@ -52,13 +54,13 @@ export function anchorsOf({ base, anchors }: Edit): Map<string, AnchorPlace> {
 }
 
 export function wantedOf(edit: Edit): LinkPoint {
-  const { base, kind = base.kind, state = base.state } = edit;
+  const { base, kind = base.kind, state = base.state, pinned = base.pinned } = edit;
   // A state that is set by hand holds until it is set again.
   const stateValidUntil = state === base.state ? base.stateValidUntil : undefined;
-  const { stateValidUntil: _, ...rest } = base;
+  const { stateValidUntil: _, pinned: __, ...rest } = base;
   const anchors = anchorsOf(edit);
   const directionMap = anchors.has(base.directionMap) ? base.directionMap : '';
-  return create(LinkPointSchema, { ...rest, directionMap, ...(stateValidUntil && { stateValidUntil }), kind, state, anchors: [...anchors].map(([map, place]) => anchorOf(map, place)) });
+  return create(LinkPointSchema, { ...rest, directionMap, ...(stateValidUntil && { stateValidUntil }), kind, state, ...(pinned !== undefined && { pinned }), anchors: [...anchors].map(([map, place]) => anchorOf(map, place)) });
 }
 
 export const isSuspended = ({ base, use }: Edit) => use === 'suspended' || (use === undefined && base.use === Use.SUSPENDED);
@@ -70,10 +72,17 @@ export const samePlace = (a: AnchorPlace, b: AnchorPlace) =>
 
 // Whether it changes nothing.
 export function isIdle(edit: Edit): boolean {
-  const { base, isNew, kind = base.kind, state = base.state, use, isDeleted } = edit;
-  if (isNew || isDeleted || use !== undefined || kind !== base.kind || state !== base.state) return false;
+  const { base, isNew, state = base.state, use, pinned, isDeleted } = edit;
+  if (isNew || isDeleted || use !== undefined || state !== base.state || isPlaced(edit)) return false;
+  return pinned === undefined || pinned === (base.pinned ?? false);
+}
+
+// Whether it changes where the link point is, or of what kind: by that the server pins it.
+function isPlaced(edit: Edit): boolean {
+  const { base, kind = base.kind } = edit;
+  if (kind !== base.kind) return true;
   const wanted = anchorsOf(edit);
-  return wanted.size === base.anchors.length && base.anchors.every((anchor) => {
+  return wanted.size !== base.anchors.length || !base.anchors.every((anchor) => {
     const place = wanted.get(anchor.map);
     return place !== undefined && samePlace(place, placeOf(anchor));
   });
@@ -97,6 +106,11 @@ export function withoutAnchor(edit: Edit, map: string): Edit {
   return { ...edit, anchors: isKnown ? { ...rest, [map]: null } : rest };
 }
 
+// As the server would have it.
+export const isPinned = (edit: Edit) => edit.pinned ?? (isPlaced(edit) || (edit.base.pinned ?? false));
+
+export const pinToggled = (edit: Edit): Edit => ({ ...edit, pinned: !isPinned(edit) });
+
 // A suspended one is resumed, and the other way round; what was only wished is taken back.
 export function toggled(edit: Edit): Edit {
   const { use, ...rest } = edit;
@@ -116,12 +130,13 @@ export const changeOf = (change: GraphChange['change'], etag = ''): GraphChange 
 
 // What it updates, as in UpdateLinkPointRequest.
 function masked(edit: Edit): string[] {
-  const { base, kind = base.kind, state = base.state } = edit;
+  const { base, kind = base.kind, state = base.state, pinned } = edit;
   const paths: string[] = [];
   if (!isIdle({ base, isNew: false, anchors: edit.anchors })) paths.push('anchors');
   if (base.directionMap !== '' && !anchorsOf(edit).has(base.directionMap)) paths.push('direction_map');
   if (kind !== base.kind) paths.push('kind');
   if (state !== base.state) paths.push('state', 'state_valid_until');
+  if (pinned !== undefined && (pinned !== (base.pinned ?? false) || isPlaced(edit))) paths.push('pinned');
   return paths;
 }
 

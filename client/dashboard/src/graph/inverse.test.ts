@@ -12,7 +12,7 @@ const now = 1_800_000_000_000;
 const byHandCovariance = [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.001];
 
 // As the database writes rows.
-const row = (rest: object = {}) => ({ site_id: 's', link_point_id: 'door', kind: 1, tag: '', direction_map_id: null, difficulty: 0, environment: 0, state: 1, valid_until: null, use: 1, forced: false, ...rest });
+const row = (rest: object = {}) => ({ site_id: 's', link_point_id: 'door', kind: 1, tag: '', direction_map_id: null, difficulty: 0, environment: 0, state: 1, valid_until: null, use: 1, forced: false, pinned: false, ...rest });
 const anchorRow = (map: string, x: number, y: number, yaw: number, covariance = scanner, ordinal = 1) => ({ site_id: 's', link_point_id: 'door', map_id: map, ordinal, x, y, yaw, covariance });
 
 function entry(resource: string, before: object | undefined, after: object | undefined, time = now, actor = 'anna'): AuditEntry {
@@ -86,6 +86,19 @@ test('a suspension, a kind, a state and a tag go back to what they were', () => 
   expect(cases(inverse)).toEqual(['updated', 'resumed']);
   expect(inverse.changes[0]!.change.value).toMatchObject({ kind: Kind.DOOR, state: State.OPEN, tag: '', difficulty: 0 });
   expect(inverse.lines).toContain('door is resumed');
+});
+
+test('the pin that a move has set goes with it, and one of before stays', () => {
+  const moved = entry(`${name}/anchors/a`, anchorRow('a', 1, 2, 0), anchorRow('a', 5, 6, 0.5));
+  const present = linkPoint('door', { a: [5, 6, 0.5], b: [3, 4, 1] }, { pinned: true });
+  const inverse = takenBack([moved, entry(name, row(), row({ pinned: true }))], present);
+  expect(inverse.changes[0]!.change.value).toMatchObject({ pinned: false });
+  expect(inverse.changes[0]!.updateMask?.paths).toEqual(['anchors', 'pinned']);
+  expect(inverse.lines).toContain('door: it is pinned no more');
+  const before = takenBack([moved, entry(name, row({ pinned: true }), row({ pinned: true }))], present);
+  expect(before.changes[0]!.updateMask?.paths).toEqual(['anchors']);
+  const since = takenBack([entry(name, row(), row({ pinned: true }))], linkPoint('door', { a: [1, 2, 0] }));
+  expect(since.refusals).toEqual(['door: its pin has been changed since. Take that back first, or change it on the campus.']);
 });
 
 test('a tag alone is a change, too', () => {

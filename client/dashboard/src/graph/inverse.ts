@@ -38,6 +38,8 @@ interface Field {
   in: (point: LinkPoint) => string | number;
   set: (point: LinkPoint, value: string | number) => void;
   text: (value: string | number) => string;
+  // Unset: `column` is a word.
+  called?: string;
 }
 
 const untilOf = (row: Row | undefined) => (textIn(row, 'valid_until') === '' ? '' : Date.parse(textIn(row, 'valid_until')));
@@ -62,6 +64,10 @@ const fields: readonly Field[] = [
   {
     column: 'valid_until', path: 'state_valid_until', inRow: untilOf, in: ({ stateValidUntil }) => (stateValidUntil ? Number(stateValidUntil.seconds) * 1000 + Math.trunc(stateValidUntil.nanos / 1e6) : ''),
     set: (point, value) => (value === '' ? delete point.stateValidUntil : (point.stateValidUntil = timestampFromMs(Number(value)))), text: () => 'the end of its state goes back',
+  },
+  {
+    column: 'pinned', path: 'pinned', inRow: (row) => (row?.pinned === true ? 1 : 0), in: ({ pinned }) => (pinned ? 1 : 0), set: (point, value) => (point.pinned = value === 1),
+    text: (value) => (value === 1 ? 'it is pinned' : 'it is pinned no more'), called: 'pin',
   },
 ];
 
@@ -124,10 +130,10 @@ function restored(change: LinkPointChange, present: LinkPoint, told: Told) {
     point.anchors = anchors;
     paths.push('anchors');
   }
-  for (const { column, path, inRow, in: now, set, text } of row ? fields : []) {
+  for (const { column, path, inRow, in: now, set, text, called = column } of row ? fields : []) {
     const [was, became] = [row?.before, row?.after].map((one) => inRow(one, siteOf(linkPoint)));
     if (was === became) continue;
-    if (now(present) !== became) changedSince(told, `its ${column}`);
+    if (now(present) !== became) changedSince(told, `its ${called}`);
     set(point, was!);
     paths.push(path);
     told.out.lines.push(`${told.title}: ${text(was!)}`);

@@ -2,7 +2,7 @@
 import { useState } from 'react';
 import { idOf } from '../../../api/names';
 import { kindNames, stateNames } from '../../../graph/differences';
-import { anchorsOf, isSuspended, movedTo, spreadTo, toggled, withoutAnchor, type Edit } from '../../../graph/draft';
+import { anchorsOf, isPinned, isSuspended, movedTo, pinToggled, spreadTo, toggled, withoutAnchor, type Edit } from '../../../graph/draft';
 import { LinkPoint_Kind as Kind, LinkPoint_State as State } from '../../../gen/enfilade/v1/link_point_pb';
 import { useLive } from '../../../live/context';
 import { titleOf } from '../../../live/objects';
@@ -124,6 +124,11 @@ export function LinkPointForm({ edit, put, active, choose, guess }: Props) {
           <Anchors edit={edit} put={put} active={active} choose={choose} />
           <NewAnchor edit={edit} put={put} choose={choose} guess={guess} />
           <Kinds edit={edit} put={put} />
+          {!edit.isNew && (
+            <label className="choice" title="Surveys neither move nor remove what people have placed, until it is unpinned">
+              <input type="checkbox" checked={isPinned(edit)} onChange={() => put(pinToggled(edit))} /> Pinned: surveys leave it as it is
+            </label>
+          )}
         </>
       )}
       <div className="actions">

@@ -3,6 +3,7 @@ import { useState } from 'react';
 import { useLive } from '../../../live/context';
 import { titleOf } from '../../../live/objects';
 import { byName } from '../../../ui/format';
+import { MapPin } from './MapPin';
 import { MergeForm } from './MergeForm';
 import { SplitForm } from './SplitForm';
 
@@ -52,6 +53,8 @@ export function MapForm({ map, create, align, isDrafting }: Props) {
           Merge …
         </button>
       </div>
+      {/* A merge or split may have pinned it: it is asked for anew. */}
+      {asking === undefined && <MapPin key={map} map={map} />}
       {isDrafting && <p className="sub">Save or discard your changes of link points before you merge or split {titleOf(live, map)}.</p>}
       {asking === 'merge' && known && <MergeForm key={other} into={map} merged={other} pose={undefined} done={() => setAsking(undefined)} />}
       {asking === 'split' && <SplitForm key={map} map={map} done={() => setAsking(undefined)} />}
