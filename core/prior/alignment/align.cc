@@ -3,201 +3,18 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
-#include "core/prior/alignment/plan_shapes.h"
-#include "core/prior/alignment/refine.h"
-#include "core/prior/alignment/sheet_search.h"
+#include "core/prior/alignment/aligner.h"
 
 namespace enfilade::prior {
 namespace {
 
-// The search compares coarse images for all shapes, then finer ones for the best.
-constexpr int kCoarseCells = 64;
-constexpr int kFineCells = 128;
-constexpr std::size_t kMostShapes = 200;      // that are compared in fine images
-constexpr std::size_t kMostCandidates = 200;  // refined quickly
-constexpr std::size_t kMostFinalists = 20;    // refined well
-constexpr std::size_t kQuickPoints = 500;
-constexpr double kSamePlace = 1.0;      // m
-constexpr double kUsualScale = 1.3;     // by which plans are larger or smaller than their files say
-constexpr double kOneDirection = 0.02;  // of the walls' lengths that lie in another direction
-
-struct Candidate {
-  PlanTransform transform;
-  TransformModel model = TransformModel::kSimilarity;
-  double score = 0;
-  Agreement agreement;
-};
-
-double ScoreOf(const Agreement& agreement) { return agreement.nearness * (1 - agreement.contradicted()); }
-
-class Aligner {
- public:
-  Aligner(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options)
-      : faces_(FacesOf(plan)), evidence_(evidence), options_(options) {
-    for (const PlanCorner& corner : plan.corners) corners_.push_back(corner.point);
-  }
-
-  // The mean distance between where two transforms place the plan's corners that the first one puts into the map.
-  double Apart(const PlanTransform& a, const PlanTransform& b) const {
-    double sum = 0;
-    int count = 0;
-    for (const Eigen::Vector2d& corner : corners_) {
-      if (evidence_.WallDistanceAt(a(corner)) > 2.0) continue;
-      sum += (a(corner) - b(corner)).norm();
-      ++count;
-    }
-    return count > 0 ? sum / count : kSamePlace * 10;
-  }
-
-  // The best places of a search, refined; not sorted.
-  std::vector<Candidate> Finalists(Stretch stretch) const {
-    std::vector<Candidate> candidates = Search(stretch);
-    RefineAll(candidates, {.widest = 3.0, .narrowest = 0.5, .rounds = 10, .most_points = kQuickPoints});
-    candidates = Distinct(candidates, kSamePlace, kMostFinalists);
-    for (Candidate& candidate : candidates) candidate = BestModel(candidate, 1.5);
-    return candidates;
-  }
-
-  // The finalists of one search or several, the best first, each place once.
-  std::vector<Candidate> Ranked(std::vector<Candidate> candidates) const {
-    Sort(candidates);
-    candidates = Distinct(candidates, kSamePlace, kMostFinalists);
-    if (candidates.empty()) return candidates;
-    candidates.front() = Simplest(candidates.front());
-    Sort(candidates);
-    return candidates;
-  }
-
-  void RefineAll(std::vector<Candidate>& candidates, const RefineOptions& options) const {
-    for (Candidate& candidate : candidates) {
-      candidate.transform = Refine(faces_, evidence_, candidate.transform, options);
-      Judge(candidate);
-    }
-    Sort(candidates);
-  }
-
-  void Judge(Candidate& candidate) const {
-    candidate.agreement = Compare(FaceIndex(Transformed(faces_, candidate.transform), kReach), evidence_);
-    candidate.score = ScoreOf(candidate.agreement);
-  }
-
-  // The simplest model, from that of the start on, that explains the map nearly as well as any.
-  Candidate BestModel(const Candidate& start, double widest) const {
-    Candidate best = start;
-    for (const TransformModel model :
-         {TransformModel::kSimilarity, TransformModel::kAnisotropic, TransformModel::kAffine}) {
-      if (FreedomOf(model) > FreedomOf(options_.widest_model)) break;
-      Candidate next = best;
-      next.model = std::max(model, start.model);
-      next.transform = Refine(faces_, evidence_, best.transform,
-                              {.model = model, .widest = model == TransformModel::kSimilarity ? widest : 1.0});
-      Judge(next);
-      const double most_left = model <= start.model ? 1.0 : options_.most_left;
-      if (model == TransformModel::kSimilarity || 1 - next.score < most_left * (1 - best.score)) best = next;
-    }
-    return best;
-  }
-
-  // The place without its distortion, if that explains the map nearly as well.
-  Candidate Simplest(const Candidate& candidate) const {
-    if (candidate.model == TransformModel::kSimilarity) return candidate;
-    Candidate simple{.transform = AsSimilarity(candidate.transform, map_centre()), .agreement = {}};
-    simple = BestModel(simple, 1.5);
-    return 1 - candidate.score < options_.most_left * (1 - simple.score) ? candidate : simple;
-  }
-
-  std::vector<Candidate> Distinct(const std::vector<Candidate>& sorted, double apart, std::size_t most) const {
-    std::vector<Candidate> distinct;
-    for (const Candidate& candidate : sorted) {
-      if (distinct.size() == most) break;
-      const bool is_new = std::none_of(distinct.begin(), distinct.end(), [&](const Candidate& other) {
-        return other.transform.mirrored() == candidate.transform.mirrored() &&
-               Apart(other.transform, candidate.transform) < apart;
-      });
-      if (is_new) distinct.push_back(candidate);
-    }
-    return distinct;
-  }
-
-  static void Sort(std::vector<Candidate>& candidates) {
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-  }
-
-  // Whether all walls that it explains are parallel: they do not tell where along them it lies.
-  bool IsOpenAlongWalls(const PlanTransform& transform) const {
-    const FaceIndex index(Transformed(faces_, transform), kReach);
-    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-    for (const WallPoint& wall : evidence_.walls) {
-      if (wall.straightness < kStraight) continue;
-      const auto nearest = index.Nearest(wall.point, wall.along, kParallel);
-      if (nearest && nearest->distance <= kExplainedDistance) sum += wall.along * wall.along.transpose();
-    }
-    const Eigen::Vector2d lengths = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(sum).eigenvalues();
-    return lengths(0) < kOneDirection * lengths(1);
-  }
-
-  Eigen::Vector2d map_centre() const {
-    const Eigen::Vector2d size(evidence_.geometry.width, evidence_.geometry.height);
-    return evidence_.geometry.T_map_grid * (0.5 * evidence_.geometry.resolution * size);
-  }
-
-  double search_radius() const {
-    return 0.5 * evidence_.geometry.resolution * std::hypot(evidence_.geometry.width, evidence_.geometry.height);
-  }
-
-  static constexpr double kReach = 1.5;  // m
-
- private:
-  std::vector<Candidate> Search(Stretch stretch) const {
-    const SheetSearch coarse(faces_, evidence_, kCoarseCells);
-    const std::vector<PlanShape> shapes =
-        options_.known_shape
-            ? TurnsOf(*options_.known_shape, faces_, evidence_, {1 - kKnownScale, 1.0, 1 + kKnownScale})
-            : ShapesToTry(faces_, evidence_, coarse.Scales(), stretch);
-    const std::vector<PlanShape> likely = BestShapes(FindAll(coarse, shapes));
-    return Distinct(FindAll(SheetSearch(faces_, evidence_, kFineCells), likely), 0.03 * search_radius(),
-                    kMostCandidates);
-  }
-
-  // The shapes of the best candidates, each once. `sorted`: the best candidate first.
-  static std::vector<PlanShape> BestShapes(const std::vector<Candidate>& sorted) {
-    std::vector<PlanShape> shapes;
-    for (const Candidate& candidate : sorted) {
-      if (shapes.size() == kMostShapes) break;
-      const bool is_new = std::none_of(shapes.begin(), shapes.end(), [&](const PlanShape& other) {
-        return other.linear == candidate.transform.linear;
-      });
-      if (is_new) shapes.push_back({candidate.transform.linear, candidate.model});
-    }
-    return shapes;
-  }
-
-  // The best offsets of each shape, the best of all first.
-  static std::vector<Candidate> FindAll(const SheetSearch& search, const std::vector<PlanShape>& shapes) {
-    std::vector<Candidate> found;
-    for (const PlanShape& shape : shapes) {
-      for (const FoundTransform& place : search.Find(shape.linear)) {
-        found.push_back({.transform = place.T_map_sheet, .model = shape.model, .score = place.score, .agreement = {}});
-      }
-    }
-    Sort(found);
-    return found;
-  }
-
-  std::vector<WallFace> faces_;
-  std::vector<Eigen::Vector2d> corners_;
-  const MapEvidence& evidence_;
-  const AlignOptions& options_;
-};
+constexpr double kUsualScale = 1.3;  // by which plans are larger or smaller than their files say
 
 Alignment ToAlignment(const Candidate& candidate) {
   Alignment alignment;
@@ -255,6 +72,12 @@ bool IsBetter(const Alignment& next, const Alignment& best, const AlignOptions& 
   return 1 - score < options.most_left * (1 - known);
 }
 
+// By how much one place that nobody has shown must fit better than any other.
+double NeededRatio(const PlanTransform& transform, double ratio, const AlignOptions& options) {
+  const bool could_be_straight = transform.mirrored() && !options.known_shape;
+  return could_be_straight ? ratio * options.mirror_gain : ratio;
+}
+
 // Whether the best of some places is believed. `ranked`: the best one first.
 Alignment Verdict(const PlanGraph& plan, const std::vector<Candidate>& ranked, const AlignOptions& options) {
   if (ranked.empty()) return {.reason = "no place on the plan fits", .T_map_sheet = {}, .agreement = {}};
@@ -262,11 +85,10 @@ Alignment Verdict(const PlanGraph& plan, const std::vector<Candidate>& ranked, c
   const double rival = ranked.size() > 1 ? ranked[1].score : 0;
   alignment.rival_ratio = rival > 0 ? ranked.front().score / rival : 99;
   alignment.reason = ObjectionTo(alignment, options);
-  const bool could_be_straight = alignment.T_map_sheet.mirrored() && !options.known_shape;
   const bool sure = alignment.agreement.explained >= options.sure_explained &&
                     alignment.agreement.contradicted() <= options.sure_contradicted;
   const double needed =
-      (sure ? options.sure_rival_ratio : options.least_rival_ratio) * (could_be_straight ? options.mirror_gain : 1);
+      NeededRatio(alignment.T_map_sheet, sure ? options.sure_rival_ratio : options.least_rival_ratio, options);
   if (alignment.reason.empty() && alignment.rival_ratio < needed) {
     alignment.reason = fmt::format("another place fits nearly as well: {:.2f} times, {:.2f} are needed",
                                    alignment.rival_ratio, needed);
@@ -275,6 +97,53 @@ Alignment Verdict(const PlanGraph& plan, const std::vector<Candidate>& ranked, c
   if (alignment.accepted)
     alignment.reason = fmt::format("fits {:.2f} times as well as any other place{}", alignment.rival_ratio,
                                    NoteOnScale(plan, alignment.T_map_sheet));
+  return alignment;
+}
+
+struct Twin {
+  Candidate place;
+  double evidence;  // nats
+};
+
+// The places that fit nearly as well as the best, the likeliest first; none, if it is the only one or if they are too
+// many. `ranked`: the best one first.
+std::vector<Twin> TwinsOf(const PlanGraph& plan, const MapEvidence& evidence, const std::vector<Candidate>& ranked,
+                          const AlignOptions& options) {
+  if (ranked.empty() || options.log_evidence == nullptr) return {};
+  const auto end_of = [&](double ratio) {
+    return std::find_if(ranked.begin(), ranked.end(),
+                        [&](const Candidate& other) { return other.score * ratio <= ranked.front().score; });
+  };
+  auto end = end_of(options.least_rival_ratio);
+  if (end - ranked.begin() == 1)
+    end = end_of(NeededRatio(ranked.front().transform, options.least_rival_ratio, options));
+  const auto count = static_cast<std::size_t>(end - ranked.begin());
+  if (count < 2 || count > options.most_twins) return {};
+  std::vector<Twin> twins;
+  for (auto one = ranked.begin(); one != end; ++one) {
+    twins.push_back({*one, options.log_evidence(plan, evidence, one->transform)});
+  }
+  std::stable_sort(twins.begin(), twins.end(), [](const Twin& a, const Twin& b) { return a.evidence > b.evidence; });
+  return twins;
+}
+
+// Whether of a few places that fit nearly alike the likeliest is believed. `refused`: what is said of them else.
+Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<Twin>& twins, const Alignment& refused,
+                         const AlignOptions& options) {
+  const Candidate& best = twins[0].place;
+  const double margin = twins[0].evidence - twins[1].evidence;
+  const bool is_odd = best.transform.mirrored() && !twins[1].place.transform.mirrored() && !options.known_shape;
+  Alignment alignment = ToAlignment(best);
+  if (margin < options.least_evidence + (is_odd ? options.mirror_evidence : 0)) return refused;
+  if (!ObjectionTo(alignment, options).empty()) return refused;
+  double rival = 0;
+  for (auto other = twins.begin() + 1; other != twins.end(); ++other) rival = std::max(rival, other->place.score);
+  alignment.rival_ratio = best.score / rival;
+  alignment.accepted = true;
+  alignment.reason = fmt::format(
+      "another place fits nearly as well ({:.2f} times), but corrected there the plan is less likely (log odds "
+      "{:.0f}){}",
+      alignment.rival_ratio, margin, NoteOnScale(plan, alignment.T_map_sheet));
   return alignment;
 }
 
@@ -325,16 +194,26 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   none.reason = "the map has no walls";
   if (evidence.walls.empty() || plan.walls.empty()) return none;
   const Aligner aligner(plan, evidence, options);
-  std::vector<Candidate> candidates = aligner.Ranked(aligner.Finalists(Stretch::kNone));
-  Alignment alignment = Verdict(plan, candidates, options);
-  if (alignment.accepted || options.known_shape || options.widest_model != TransformModel::kAffine) return alignment;
+  const std::vector<Candidate> plain = aligner.Ranked(aligner.Finalists(Stretch::kNone));
+  std::vector<Candidate> all = plain;
+  const Alignment alignment = Verdict(plan, plain, options);
+  if (alignment.accepted) return alignment;
   // With more freedom wrong plans fit better, too, so more is asked of a place.
   AlignOptions strict = options;
   strict.least_explained = options.sure_explained;
   strict.most_contradicted = options.sure_contradicted;
-  for (Candidate& stretched : aligner.Finalists(Stretch::kAlongWalls)) candidates.push_back(std::move(stretched));
-  Alignment stretched = Verdict(plan, aligner.Ranked(std::move(candidates)), strict);
-  return stretched.accepted ? stretched : alignment;
+  if (!options.known_shape && options.widest_model == TransformModel::kAffine) {
+    for (Candidate& stretched : aligner.Finalists(Stretch::kAlongWalls)) all.push_back(std::move(stretched));
+    all = aligner.Ranked(std::move(all));
+    const Alignment stretched = Verdict(plan, all, strict);
+    if (stretched.accepted) return stretched;
+  }
+  const std::vector<Twin> twins = TwinsOf(plan, evidence, all, options);
+  if (twins.empty()) return alignment;
+  const bool found_plain = std::any_of(plain.begin(), plain.end(), [&](const Candidate& candidate) {
+    return aligner.IsSamePlace(candidate.transform, twins.front().place.transform);
+  });
+  return VerdictOnTwins(plan, twins, alignment, found_plain ? options : strict);
 }
 
 }  // namespace enfilade::prior

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,6 +38,15 @@ struct AlignOptions {
   double sure_rival_ratio = 1.15;
   double least_length = 25;  // m of the map's walls that the plan explains
   double mirror_gain = 1.1;  // a mirrored plan must fit so much better than any that is not
+  // How likely the map's walls are when the plan is corrected at a place (CorrectedPlan::log_evidence), nats. It
+  // decides between a few places that fit nearly alike; null: none of these is accepted.
+  double (*log_evidence)(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& place) = nullptr;
+  // How a building may lie over itself: straight, turned by half, and turned over along or across.
+  std::size_t most_twins = 4;
+  // The likeliest must be 100 times as likely as the next. Evidence counts each metre of a wall for itself, but a
+  // wall's metres tell alike, and walls have about four: 4 ln(100).
+  double least_evidence = 18.4;
+  double mirror_evidence = 2.2;  // and more, if it is mirrored and the next is not: one plan of ten is, ln(9)
   // The distortions to try.
   TransformModel widest_model = TransformModel::kAffine;
   // A distortion is taken if it leaves at most this share of what the simpler one leaves unexplained.
@@ -57,7 +67,9 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 // Without any help: all turns that bring the directions of walls together, all scales, all offsets, straight and
 // mirrored (SheetSearch); the best are refined (Refine) and compared. The best place is accepted if it explains enough
 // of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place. If
-// none is accepted, shapes whose axes have different scales are tried, which must meet the limits of a sure place.
+// none is accepted, shapes whose axes have different scales are tried, which must meet the limits of a sure place. If a
+// few places fit nearly alike, and all others worse, the one at which the corrected plan is much the likeliest is
+// taken.
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
 
 // From a place that is about right: the plan is moved onto the map's walls. Accepted if it explains enough and is

@@ -22,6 +22,7 @@ constexpr double kGates[] = {1.2, 0.8, 0.5, 0.4, 0.3};  // m
 constexpr int kReweightings = 3;
 constexpr double kMostSurprise = 6.0;  // chi-squared of a wall that counts fully
 constexpr double kOnWall = 0.3;        // m: what is so near a wall moves with it
+constexpr double kInvented = 0.1;      // of a plan's walls: buildings do not have them
 
 struct Piece {
   int face;
@@ -66,6 +67,7 @@ CorrectedPlan::CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence,
   field_ = FieldOf(correction, {}, {});
   if (correction != Correction::kNone) Correct(correction);
   Describe();
+  log_evidence_ += std::log(kInvented) * ContradictedLength();  // a metre counts as a wall, as each seen one does
 }
 
 void CorrectedPlan::Correct(Correction correction) {
@@ -85,7 +87,15 @@ void CorrectedPlan::Correct(Correction correction) {
       if (i + 1 < kReweightings) weights = WeightsOf(*field_, walls);
     }
     first = false;
+    if (correction == Correction::kField) log_evidence_ = EvidenceOfOffsets(offsets, weights);
   }
+}
+
+// Walls that are not the plan's lie anywhere within the widest gate.
+double CorrectedPlan::EvidenceOfOffsets(const std::vector<PlanOffset>& offsets,
+                                        const std::vector<double>& weights) const {
+  const double by_chance = -std::log(2 * kGates[0]) * static_cast<double>(offsets.size());
+  return DisplacementField(model_, offsets, weights).log_likelihood() - by_chance;
 }
 
 std::unique_ptr<const PlanDisplacement> CorrectedPlan::FieldOf(Correction correction,
@@ -176,6 +186,16 @@ void CorrectedPlan::Describe() {
   }
 }
 
+double CorrectedPlan::ContradictedLength() const {
+  double length = 0;
+  for (std::size_t i = 0; i < walls_.size(); ++i) {
+    const Eigen::Vector2d& from = corners_[static_cast<std::size_t>(plan_.walls[i].from)].point;
+    const Eigen::Vector2d& to = corners_[static_cast<std::size_t>(plan_.walls[i].to)].point;
+    length += walls_[i].contradicted_share * (to - from).norm();
+  }
+  return length;
+}
+
 PlanPlace CorrectedPlan::PlaceOf(const Eigen::Vector2d& point_sheet) const {
   PlanPlace place{.point = T_map_sheet_(point_sheet)};
   const auto nearest = placed_->Nearest(place.point, Eigen::Vector2d::Zero(), 0);
@@ -196,6 +216,10 @@ CorrectedPoint CorrectedPlan::Locate(const Eigen::Vector2d& point_sheet) const {
   located.sight = SightOf(evidence_, located.point);
   if (place.corners[0] < 0 && located.sight == Sight::kContradicted) located.sight = Sight::kSeen;  // ground, as drawn
   return located;
+}
+
+double LogEvidenceOf(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& T_map_sheet) {
+  return CorrectedPlan(plan, evidence, T_map_sheet).log_evidence();
 }
 
 }  // namespace enfilade::prior

@@ -25,6 +25,7 @@ constexpr std::pair<FitMode, std::string_view> kNames[] = {{FitMode::kFull, "ful
 
 AlignOptions AlignOptionsOf(FitMode mode) {
   AlignOptions options;
+  options.log_evidence = &LogEvidenceOf;
   // ACG places a plan by a similarity.
   if (mode == FitMode::kSimilarity || mode == FitMode::kAcg) options.widest_model = TransformModel::kSimilarity;
   if (mode == FitMode::kAffine) options.most_left = 1;  // whatever fits no worse

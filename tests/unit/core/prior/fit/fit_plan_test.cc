@@ -55,6 +55,40 @@ TEST(FitPlan, LeavesOutAMapThatFitsInManyPlaces) {
   EXPECT_FALSE(fit->maps[1].alignment.accepted);
 }
 
+// 34 m x 24 m, with the same rooms on both sides of a corridor, but for a wall that is `aside` (m).
+PlanGraph TwoSidedBuilding(double aside) {
+  PlanGraph plan;
+  const auto wall = [&](double x0, double y0, double x1, double y1) {
+    DrawWall(plan, 20 * Eigen::Vector2d(x0, y0), 20 * Eigen::Vector2d(x1, y1));
+  };
+  for (const double y : {0.0, 10.75, 13.25, 24.0}) wall(0, y, 34, y);
+  for (const double x : {0.0, 34.0}) wall(x, 0, x, 24);
+  for (const double x : {5.0, 12.0, 27.0}) wall(x, 0, x, 10.75), wall(x, 13.25, x, 24);
+  wall(20, 5.5, 20, 10.75), wall(20 + aside, 13.25, 20 + aside, 18.5);
+  return plan;
+}
+
+TEST(FitPlan, RefusesAPlanThatFitsAsWellTurnedOver) {
+  const PlanGraph plan = TwoSidedBuilding(0);
+  const auto fit = FitPlan(plan, {Seen(plan, {}, [](const auto&) { return true; })}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_FALSE(fit->alignment.accepted) << fit->alignment.reason;
+  EXPECT_LT(fit->alignment.rival_ratio, 1.02);
+}
+
+TEST(FitPlan, TellsAPlanFromItsMirrorImageByOneWall) {
+  const PlanGraph plan = TwoSidedBuilding(1.5);
+  PlanTransform truth = Turned(0.3);
+  truth.linear.col(1) *= -1;
+  const auto fit = FitPlan(plan, {MapOf(plan, truth, [](const auto&) { return true; })}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_TRUE(fit->alignment.accepted) << fit->alignment.reason;
+  EXPECT_LT(fit->alignment.rival_ratio, AlignOptions{}.sure_rival_ratio);  // which by itself is too little
+  EXPECT_TRUE(fit->alignment.T_map_sheet.mirrored());
+  const Eigen::Vector2d far_corner(680, 480);
+  EXPECT_LT((fit->alignment.T_map_sheet(far_corner) - truth(far_corner)).norm(), 0.3);
+}
+
 TEST(FitPlan, RefusesAPlanThatIsRefusedInTheFirstMap) {
   const PlanGraph plan = DrawnBuilding();
   const auto fit = FitPlan(plan, {Seen(plan, {}, IsRoom), Seen(plan, {}, IsWest)}, {});

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/prior/correction/correct_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/plans/drawn_building.h"
+
+namespace enfilade::prior {
+namespace {
+
+constexpr double kMetresPerUnit = 0.05;  // m
+const PlanTransform kWherePlanLies{Eigen::Vector2d(kMetresPerUnit, -kMetresPerUnit).asDiagonal(), {3.5, -7.25}};
+
+MapEvidence AllOf(const PlanGraph& building) {
+  return EvidenceOf(MapOf(building, kWherePlanLies, [](const Eigen::Vector2d&) { return true; }));
+}
+
+TEST(LogEvidenceTest, AMetreInFreeGroundCostsLnTen) {
+  const PlanGraph building = DrawnBuilding();
+  const MapEvidence evidence = AllOf(building);
+  PlanGraph invented = building;
+  DrawWall(invented, {560, 100}, {660, 100});  // 5 m
+  const double cost =
+      LogEvidenceOf(building, evidence, kWherePlanLies) - LogEvidenceOf(invented, evidence, kWherePlanLies);
+  EXPECT_NEAR(cost, 5 * std::log(10), 0.5);
+}
+
+TEST(LogEvidenceTest, EachSeenWallAddsToIt) {
+  const PlanGraph building = DrawnBuilding();
+  const MapEvidence evidence = AllOf(building);
+  PlanGraph incomplete = building;
+  incomplete.walls.pop_back();  // 2 m
+  EXPECT_GT(LogEvidenceOf(building, evidence, kWherePlanLies), LogEvidenceOf(incomplete, evidence, kWherePlanLies) + 1);
+}
+
+TEST(LogEvidenceTest, BendingCosts) {
+  const PlanGraph building = DrawnBuilding();
+  const MapEvidence evidence = AllOf(building);
+  PlanGraph bent = building;
+  for (PlanCorner& corner : bent.corners) corner.point.x() += 6 * std::sin(corner.point.x() / 40);  // up to 0.3 m
+  const CorrectedPlan exact(building, evidence, kWherePlanLies);
+  const CorrectedPlan corrected(bent, evidence, kWherePlanLies);
+  EXPECT_GT(corrected.agreement().explained, 0.95);  // it can be bent back
+  EXPECT_GT(exact.log_evidence(), corrected.log_evidence() + 20);
+}
+
+TEST(LogEvidenceTest, IsLowerWhereThePlanDoesNotLie) {
+  const PlanGraph building = DrawnBuilding();
+  const MapEvidence evidence = AllOf(building);
+  const PlanTransform turned_over{Eigen::Vector2d(-kMetresPerUnit, -kMetresPerUnit).asDiagonal(), {3.5 + 44, -7.25}};
+  EXPECT_GT(LogEvidenceOf(building, evidence, kWherePlanLies), LogEvidenceOf(building, evidence, turned_over) + 100);
+}
+
+}  // namespace
+}  // namespace enfilade::prior
