@@ -311,7 +311,7 @@ class Server::Impl {
   MapEdits map_edits{map_edit_store, {blobs, revisions}, link_points};
   DraftPresences draft_presences;
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
-  const PriorAlignment prior_alignment{prior_maps, maps, revisions, blobs, graphs};
+  const PriorAlignment prior_alignment{prior_maps, plan_joins, maps, revisions, blobs, graphs};
   const PlanLocalization plan_localization{{prior_maps, blobs, sessions, mappings, records},
                                            *slam_profiles.Find(slam::SlamProfiles::kIndoor)};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};

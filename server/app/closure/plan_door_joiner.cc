@@ -24,9 +24,10 @@ namespace {
 
 constexpr auto kLeaseTime = std::chrono::seconds(30);
 constexpr auto kLeaseWait = std::chrono::seconds(10);
-// A door that is not decided is looked at again after this, then after twice as long, and so on, up to kLongestWait.
+// A door that is not decided is looked at again after this, then after twice as long, and so on.
 constexpr auto kFirstWait = std::chrono::seconds(5);
 constexpr int kMostDoublings = 7;
+constexpr auto kAfterError = std::chrono::seconds(60);
 constexpr double kSightReach = 8.0;  // m from a door: robots farther away see little through it
 
 storage::CallContext Changing() { return storage::CallContext::WithTimeout(kLeaseWait); }
@@ -87,11 +88,11 @@ absl::StatusOr<std::int64_t> PlanDoorJoiner::Run(const storage::CallContext& con
     LookedAt& last = looked_at_[site.site];
     if (last.graph_version == site.graph_version && Clock::now() < last.again) continue;
     const absl::StatusOr<std::int64_t> done = Look(site.site, last);
-    if (done.ok()) {
-      changed += *done;
-    } else if (!absl::IsAborted(done.status()) && !absl::IsNotFound(done.status())) {
-      spdlog::warn("the doors of the plans of {}: {}; will retry", NameOf(site.site), done.status().ToString());
-    }
+    changed += done.value_or(0);
+    // What was seen has changed meanwhile, or is being changed: that is usual.
+    if (done.ok() || absl::IsAborted(done.status()) || absl::IsNotFound(done.status())) continue;
+    last = {site.graph_version, Clock::now() + kAfterError};
+    spdlog::warn("the doors of the plans of {}: {}; will retry", NameOf(site.site), done.status().ToString());
   }
   return changed;
 }
@@ -111,9 +112,11 @@ absl::StatusOr<std::int64_t> PlanDoorJoiner::Look(const SiteId& site, LookedAt& 
       is_open = true;
       continue;
     }
-    ENFILADE_ASSIGN_OR_RETURN(const bool joined, Join(site, *graph, door, confirmed));
-    if (joined) return 1;  // the others by the graph as it is now
-    return 0;
+    const absl::Status joined = Join(site, *graph, door, confirmed);
+    if (joined.ok()) return 1;  // the others by the graph as it is then
+    if (!absl::IsAlreadyExists(joined)) return joined;
+    spdlog::debug("door {} of {}: {}", door.number, NameOf(site, door.plan), joined.message());
+    is_open = true;
   }
   if (last.graph_version != graph->graph().version()) last.times = 0;
   last.graph_version = graph->graph().version();
@@ -222,8 +225,8 @@ absl::StatusOr<PlanDoorJoiner::Confirmation> PlanDoorJoiner::Confirm(const SiteI
   return confirmation;
 }
 
-absl::StatusOr<bool> PlanDoorJoiner::Join(const SiteId& site, const SiteGraph& graph, const Door& door,
-                                          const Confirmation& confirmed) const {
+absl::Status PlanDoorJoiner::Join(const SiteId& site, const SiteGraph& graph, const Door& door,
+                                  const Confirmation& confirmed) const {
   const auto& sides = door.sighted.sides;
   const graph::LinkPoint* candidate = graph.graph().FindLinkPoint(sides[0].candidates.front());
   rearrange::Rearrangement joined;
@@ -244,11 +247,7 @@ absl::StatusOr<bool> PlanDoorJoiner::Join(const SiteId& site, const SiteGraph& g
   }
   ENFILADE_ASSIGN_OR_RETURN(const HeldSiteLease lease,
                             HeldSiteLease::Await(stores_.doors.leases, Changing(), site, owner_, kLeaseTime, nullptr));
-  const auto applied = rearranger_.Apply(Changing(), *lease, joined, graph.graph().version());
-  if (absl::IsAborted(applied.status())) return false;
-  ENFILADE_RETURN_IF_ERROR(applied.status());
-  spdlog::info("{} joins two maps: {}", NameOf(site, candidate->id), joined.reason);
-  return true;
+  return rearranger_.Apply(Changing(), *lease, joined, graph.graph().version()).status();
 }
 
 }  // namespace enfilade::server

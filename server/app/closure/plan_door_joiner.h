@@ -75,9 +75,8 @@ class PlanDoorJoiner {
   absl::StatusOr<std::vector<Door>> FindDoors(const SiteId& site, const SiteGraph& graph,
                                               const std::vector<storage::PlanJoin>& joins) const;
   absl::StatusOr<Confirmation> Confirm(const SiteId& site, const SiteGraph& graph, const Door& door);
-  // False if the graph has changed meanwhile.
-  absl::StatusOr<bool> Join(const SiteId& site, const SiteGraph& graph, const Door& door,
-                            const Confirmation& confirmed) const;
+  // ABORTED if the graph has changed meanwhile; ALREADY_EXISTS if the database has a link point there.
+  absl::Status Join(const SiteId& site, const SiteGraph& graph, const Door& door, const Confirmation& confirmed) const;
 
   const closure::DoorClosureOptions options_;
   const Stores stores_;

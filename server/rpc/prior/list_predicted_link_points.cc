@@ -31,7 +31,7 @@ std::vector<PlacedLinkPoint> LinkPointsOn(const SiteGraph& graph, int level) {
           const graph::MapInGraph* map = graph.graph().FindMap(anchor.map);
           return map != nullptr && map->level == level;
         });
-    if (!is_on_level) continue;
+    if (!is_on_level || link_point->is_candidate()) continue;
     const auto place = graph::FindInWorld(graph.poses, *link_point);
     if (place) placed.push_back({link_point->id, place->pose.translation()});
   }
