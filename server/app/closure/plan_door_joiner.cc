@@ -115,7 +115,7 @@ absl::StatusOr<std::int64_t> PlanDoorJoiner::Look(const SiteId& site, LookedAt& 
     const absl::Status joined = Join(site, *graph, door, confirmed);
     if (joined.ok()) return 1;  // the others by the graph as it is then
     if (!absl::IsAlreadyExists(joined)) return joined;
-    spdlog::debug("door {} of {}: {}", door.number, NameOf(site, door.plan), joined.message());
+    spdlog::debug("door {} of {}: {}", door.number, NameOf(site, door.plan), joined.ToString());
     is_open = true;
   }
   if (last.graph_version != graph->graph().version()) last.times = 0;
@@ -149,7 +149,7 @@ absl::Status PlanDoorJoiner::TakeBack(const storage::SiteLease& lease, const sto
   if (!absl::IsFailedPrecondition(undone)) return undone;
   // Something else has changed it since, such as a survey that has moved its map's sessions.
   spdlog::info("{} is suspended, because {} is no longer in use: {}", NameOf(lease.site, join.link_point),
-               NameOf(lease.site, join.plan), undone.message());
+               NameOf(lease.site, join.plan), undone.ToString());
   const auto suspended =
       stores_.doors.link_points.SetSuspended(Changing(), lease.site, join.link_point, /*etag=*/0, /*suspended=*/true);
   graphs_.MarkChanged(lease.site);

@@ -119,7 +119,8 @@ void AddPriorTies(CLI::App& prior, const Globals& globals) {
       AddCommand(prior, "doors", "List a plan's doors, and which of them have link points", [&globals, plan] {
         return ListOfPlan<v1::PredictedLinkPoint>(
             globals, *plan, &PriorMapStub::ListPredictedLinkPoints, &v1::ListPredictedLinkPointsResponse::predicted,
-            {"DOOR", "X_M", "Y_M", "WIDTH_M", "SIGMA_M", "SEEN", "LINK_POINT", "CANDIDATES", "REASON"}, DoorToJson, DoorRow);
+            {"DOOR", "X_M", "Y_M", "WIDTH_M", "SIGMA_M", "SEEN", "LINK_POINT", "CANDIDATES", "REASON"}, DoorToJson,
+            DoorRow);
       });
   doors->footer("Example: enfilade prior doors \"Ground floor\"");
   for (CLI::App* command : {associations, shafts, doors}) {
