@@ -70,6 +70,17 @@ class PlanDoors : public PlanDoorsFixture {
                                   .door_shift = 0.2,
                                   .mirrored = 0.0});
   }
+  void TakeBackAsAPerson() {
+    const auto made = joins_.List(Soon(), site_);
+    ASSERT_OK(made);
+    ASSERT_THAT(*made, SizeIs(1));
+    const auto lease = leases_.Acquire(Soon(), site_, "person", std::chrono::seconds(30));
+    ASSERT_OK(lease);
+    ASSERT_TRUE(lease->has_value());
+    ASSERT_OK(rearranger_.Undo(Soon(), **lease, (*made)[0].rearrangement).status());
+    ASSERT_OK(leases_.Release(Soon(), **lease));
+    AwaitSolved();
+  }
   std::vector<graph::LinkPoint> Joining() {
     std::vector<graph::LinkPoint> joining;
     for (const graph::LinkPoint* one : Graph()->graph().ListLinkPoints()) {
@@ -117,13 +128,23 @@ TEST_F(PlanDoors, ADoorThatRobotsSawFromBothSidesJoinsTheirMapsAsLongAsThePlanIs
   const auto after = Graph();
   EXPECT_EQ(after->graph().link_point_count(), candidates);
   for (const graph::MapInGraph* map : after->graph().ListMaps()) {
-    const PoseWithCovariance* then = before->graph().FindSolvedPose(map->id);
-    const PoseWithCovariance* now = after->graph().FindSolvedPose(map->id);
-    ASSERT_EQ(then == nullptr, now == nullptr) << map->id.value();
-    if (then == nullptr) continue;
-    EXPECT_EQ(then->pose, now->pose) << "bit for bit";
-    EXPECT_EQ(then->covariance, now->covariance);
+    const auto then = before->poses.Find(map->id);
+    const auto now = after->poses.Find(map->id);
+    ASSERT_OK(then);
+    ASSERT_OK(now);
+    ASSERT_EQ(then->has_value(), now->has_value()) << map->id.value();
+    if (!*then) continue;
+    EXPECT_EQ((*then)->T_world_robot.pose, (*now)->T_world_robot.pose) << "bit for bit";
+    EXPECT_EQ((*then)->T_world_robot.covariance, (*now)->T_world_robot.covariance);
   }
+
+  // Put to use again, it joins them again; what a person takes back stays so.
+  ASSERT_TRUE(Activate().alignment);
+  EXPECT_EQ(Join(), 1);
+  ASSERT_THAT(Joining(), SizeIs(1));
+  TakeBackAsAPerson();
+  EXPECT_EQ(Join(), 0);
+  EXPECT_THAT(Joining(), IsEmpty());
 }
 
 }  // namespace
