@@ -69,8 +69,8 @@ struct Rearrangement {
   std::vector<LinkPointId> removed_link_points = {};
   std::vector<MapRedirect> redirects = {};
   std::string reason = {};  // for people: "2 maps of one room: ..."
-  // The plan whose door joins two maps: candidates of both become one link point (core/closure/plan_doors.h), which has
-  // the evidence of all of them. Empty: none.
+  // The plan whose door joins two maps: candidates of both become one link point (core/closure/plans/plan_doors.h),
+  // which has the evidence of all of them. Empty: none.
   PriorMapId plan = {};
 
   bool empty() const {

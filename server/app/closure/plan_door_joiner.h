@@ -10,8 +10,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
-#include "core/closure/match_door.h"
-#include "core/closure/plan_doors.h"
+#include "core/closure/plans/match_door.h"
+#include "core/closure/plans/plan_doors.h"
 #include "server/app/closure/closure_stores.h"
 #include "server/app/closure/seen_grounds.h"
 #include "server/app/graph/site_graphs.h"
@@ -23,7 +23,7 @@
 namespace enfilade::server {
 
 // Makes one link point of two candidates that lie before and behind a door of a plan in use, in two maps, if what
-// robots have seen through the door from the one map lies on the walls of the other (core/closure/plan_doors.h,
+// robots have seen through the door from the one map lies on the walls of the other (core/closure/plans/plan_doors.h,
 // match_door.h). Each is a rearrangement of its own, made under the site's lease, with the reason. It is undone when
 // the plan is no longer in use, unless a robot has driven through the door meanwhile: then that has measured it.
 class PlanDoorJoiner {

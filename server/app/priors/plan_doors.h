@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/closure/plan_doors.h"
+#include "core/closure/plans/plan_doors.h"
 #include "core/graph/plans/plan_ties.h"
 #include "storage/call_context.h"
 #include "storage/maps/blob_store.h"

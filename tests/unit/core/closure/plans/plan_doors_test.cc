@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/closure/plan_doors.h"
+#include "core/closure/plans/plan_doors.h"
 
 #include <gmock/gmock.h>
 

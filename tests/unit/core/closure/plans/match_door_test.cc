@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/closure/match_door.h"
+#include "core/closure/plans/match_door.h"
 
 #include <gmock/gmock.h>
 
