@@ -5,7 +5,7 @@
 
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
-#include "proto/convert/geometry.h"
+#include "proto/convert/record.h"
 #include "server/app/priors/plan_doors.h"
 #include "server/app/priors/plans_beside.h"
 #include "server/rpc/paging.h"
@@ -38,7 +38,7 @@ std::vector<PlacedLinkPoint> LinkPointsOn(const SiteGraph& graph, int level) {
   return placed;
 }
 
-v1::PredictedLinkPoint ToProto(const closure::PlanDoor& door, int number, bool seen) {
+v1::PredictedLinkPoint DoorToProto(const closure::PlanDoor& door, int number, bool seen) {
   v1::PredictedLinkPoint out;
   out.set_door(number);
   *out.mutable_pose_world_place() = convert::ToProto(door.T_plan_door);
@@ -97,7 +97,7 @@ absl::StatusOr<v1::ListPredictedLinkPointsResponse> ListPredictedLinkPoints(
   const auto begin = std::min(count, static_cast<std::size_t>(std::max<std::int64_t>(first, 0)));
   const std::size_t end = std::min(count, begin + static_cast<std::size_t>(size));
   for (std::size_t i = begin; i < end; ++i) {
-    v1::PredictedLinkPoint door = ToProto(doors.plan.doors[i], static_cast<int>(i), doors.seen[i]);
+    v1::PredictedLinkPoint door = DoorToProto(doors.plan.doors[i], static_cast<int>(i), doors.seen[i]);
     AddLinkPoint(known, name.site, door);
     AddSightings(sighted[i], name.site, joins, door);
     *response.add_predicted() = std::move(door);
