@@ -12,6 +12,7 @@
 #include "grpcpp/grpcpp.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "server/app/closure/door_closures.h"
+#include "server/app/closure/plan_door_joiner.h"
 #include "server/app/priors/plan_realigner.h"
 #include "server/app/rearrange/rearranger.h"
 #include "server/app/runtime/maintenance_jobs.h"
@@ -44,6 +45,7 @@ constexpr std::size_t kMaxQueuedSlowCalls = 200;
 constexpr int kWatchThreads = 2;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
 constexpr double kLongestRealignPoll = 60.0;  // s
+constexpr std::chrono::seconds kPlanDoorsPoll{1};
 
 std::chrono::seconds WholeSeconds(double seconds) { return std::chrono::seconds(static_cast<std::int64_t>(seconds)); }
 
@@ -131,6 +133,7 @@ class Server::Impl {
                                                    audit,
                                                    door_verdicts,
                                                    rearrangement_store,
+                                                   plan_joins,
                                                    uploads,
                                                    ingest,
                                                    pose_reports,
@@ -158,8 +161,8 @@ class Server::Impl {
       surveyor = std::make_unique<SiteSurveyor>(
           survey_options, SurveyLoad{options.survey.share, options.survey.cache_bytes},
           SurveyMappingOptions{{.window_s = options.mapping.pairing_window_s}, slam_profiles},
-          SiteSurveyor::Stores{{sessions, records, mappings, maps, door_verdicts}, surveys, site_leases}, graphs,
-          rearranger, survey_wake);
+          SiteSurveyor::Stores{{sessions, records, mappings, maps, door_verdicts, plan_joins}, surveys, site_leases},
+          graphs, rearranger, survey_wake);
     }
     ENFILADE_RETURN_IF_ERROR(Listen());
     grpc->GetHealthCheckService()->SetServingStatus(readiness->state().ready);
@@ -183,6 +186,10 @@ class Server::Impl {
               .on_tick = [] {}},
           std::vector<MaintenanceJob>{realigner->Job()});
     }
+    plan_doors_loop = std::make_unique<MaintenanceLoop>(
+        MaintenanceLoop::Options{
+            .interval = kPlanDoorsPoll, .is_ready = [this] { return readiness->state().ready; }, .on_tick = [] {}},
+        std::vector<MaintenanceJob>{plan_door_joiner.Job()});
     return absl::OkStatus();
   }
 
@@ -282,6 +289,7 @@ class Server::Impl {
   const storage::postgres::SiteLeaseStore solver_leases{*pool, storage::SiteRight::kSolve};
   const storage::postgres::SurveyStore surveys{*pool};
   const storage::postgres::RearrangementStore rearrangement_store{*pool};
+  const storage::PlanJoinStore plan_joins{*pool};
   const storage::FeatureStore features{*pool};
   const storage::Maintenance maintenance{*pool};
   const storage::SiteDeletion site_deletion{*pool};
@@ -303,7 +311,7 @@ class Server::Impl {
   MapEdits map_edits{map_edit_store, {blobs, revisions}, link_points};
   DraftPresences draft_presences;
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
-  const PriorAlignment prior_alignment{prior_maps, maps, revisions, blobs, graphs};
+  const PriorAlignment prior_alignment{prior_maps, plan_joins, maps, revisions, blobs, graphs};
   const PlanLocalization plan_localization{{prior_maps, blobs, sessions, mappings, records},
                                            *slam_profiles.Find(slam::SlamProfiles::kIndoor)};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};
@@ -327,6 +335,13 @@ class Server::Impl {
         mapping.Wake();
         map_entries.Wake();
       }};
+  PlanDoorJoiner plan_door_joiner{
+      options.closure,
+      {{sessions, records, mappings, blobs, features, maps, link_points, door_verdicts, site_leases},
+       prior_maps,
+       plan_joins},
+      graphs,
+      rearranger};
   WakeSignal survey_wake;
   std::unique_ptr<SiteSurveyor> surveyor;  // null: sites are not surveyed
   std::unique_ptr<MapExports> exports;
@@ -337,6 +352,7 @@ class Server::Impl {
   std::unique_ptr<MaintenanceLoop> maintenance_loop;
   std::unique_ptr<PlanRealigner> realigner;       // null: plans are not aligned again by themselves
   std::unique_ptr<MaintenanceLoop> realign_loop;  // on a thread of its own, because an alignment takes seconds
+  std::unique_ptr<MaintenanceLoop> plan_doors_loop;
   std::string address;
   std::unique_ptr<grpc::Server> grpc;
 };

@@ -69,6 +69,9 @@ struct Rearrangement {
   std::vector<LinkPointId> removed_link_points = {};
   std::vector<MapRedirect> redirects = {};
   std::string reason = {};  // for people: "2 maps of one room: ..."
+  // The plan whose door joins two maps: candidates of both become one link point (core/closure/plans/plan_doors.h),
+  // which has the evidence of all of them. Empty: none.
+  PriorMapId plan = {};
 
   bool empty() const {
     return new_maps.empty() && cuts.empty() && moves.empty() && link_points.empty() && removed_link_points.empty() &&

@@ -129,6 +129,9 @@ class DoorArranger {
                        [&](const graph::Anchor& anchor) { return survey_.cabins.contains(anchor.map); });
   }
 
+  // Robots saw the rooms behind it from both of its sides. That they did not go through says nothing against it.
+  bool IsSeenThrough(const graph::LinkPoint& link_point) const { return survey_.seen_through.contains(link_point.id); }
+
   // The existing link point at the door: preferably one that joins its two maps already. One that would make the door's
   // own redundant is at the door, however far away it is.
   const graph::LinkPoint* FindExisting(const PassedDoor& door, const MapId& from, const MapId& to) const {
@@ -272,7 +275,7 @@ class DoorArranger {
     return map != nullptr ? *map : plan_.NowOf(anchor.map);
   }
 
-  // The map of the room on the anchor's side of a door that leads to another level: maps of this level may have
+  // The map of the room on the anchor's side of a door that no robot of this level went through: maps may have
   // exchanged their rooms.
   MapId MapBeforeDoor(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
     constexpr double kBeside = 0.6;  // m
@@ -285,7 +288,9 @@ class DoorArranger {
 
   MapId NowOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
     if (link_point.is_candidate()) return MapOfSighting(anchor);
-    if (IsDoor(link_point) && !IsSurveyed(link_point)) return MapBeforeDoor(link_point, anchor);
+    if (IsDoor(link_point) && (!IsSurveyed(link_point) || IsSeenThrough(link_point))) {
+      return MapBeforeDoor(link_point, anchor);
+    }
     return plan_.NowOf(anchor.map);
   }
 
@@ -298,7 +303,7 @@ class DoorArranger {
       const std::optional<Pose2> place = PlaceOfAnchor(link_point.anchors.front());
       if (place && (IsKnownDoorAhead(*place) || IsOpenAhead(*place))) return Remove(link_point);
     } else if (door && !busy && IsSurveyed(link_point) && !LeadsToCabin(link_point) && !IsPinned(link_point) &&
-               link_point.use != graph::LinkPointUse::kSuspended) {
+               !IsSeenThrough(link_point) && link_point.use != graph::LinkPointUse::kSuspended) {
       return Remove(link_point);
     }
     graph::LinkPoint moved = link_point;

@@ -30,6 +30,7 @@
 #include "storage/graph/door_verdict_store.h"
 #include "storage/graph/graph_store.h"
 #include "storage/graph/link_point_store.h"
+#include "storage/graph/plan_join_store.h"
 #include "storage/graph/rearrangement_store.h"
 #include "storage/graph/robot_pose_store.h"
 #include "storage/maps/blob_store.h"
@@ -84,6 +85,7 @@ struct Services {
   const storage::AuditStore& audit;
   const storage::DoorVerdictStore& door_verdicts;
   const storage::RearrangementStore& rearrangement_store;
+  const storage::PlanJoinStore& plan_joins;
 
   UploadSpace& uploads;
   Ingest& ingest;

@@ -111,15 +111,6 @@ absl::StatusOr<std::vector<closure::PlacedScan>> ReadScans(const KnownScansScope
   return scans;
 }
 
-std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) {
-  std::vector<Pose2> doors;
-  for (const graph::LinkPoint* link_point : graph.ListLinkPointsIn(map)) {
-    const graph::Anchor* anchor = link_point->FindAnchor(map);
-    if (anchor != nullptr && !link_point->is_candidate()) doors.push_back(anchor->T_map_place);
-  }
-  return doors;
-}
-
 // Grounds with the same digest are the same: a record never changes, and sites have no sessions in common.
 std::string DigestOf(const SiteId& site, const ChosenViewpoints& chosen, const std::vector<Pose2>& doors) {
   Sha256Stream digest;
@@ -156,19 +147,14 @@ absl::StatusOr<std::shared_ptr<const closure::SeenGround>> ReadGround(const Know
   return ground;
 }
 
-}  // namespace
+absl::StatusOr<std::vector<storage::Session>> ListSessions(const KnownScansScope& scope, const MapId& map) {
+  return scope.stores.sessions.List(JudgingLease::Context(), scope.site, {.robot = {}, .map = map, .state = {}},
+                                    kMaxSessions, std::nullopt);
+}
 
-absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map,
-                                          const PoseWithCovariance& predicted) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto sessions, scope.stores.sessions.List(JudgingLease::Context(), scope.site,
-                                                                            {.robot = {}, .map = map, .state = {}},
-                                                                            kMaxSessions, std::nullopt));
-  KnownScans known;
-  for (const storage::Session& session : sessions) {
-    known.recording = known.recording || session.state == storage::SessionState::kRecording;
-    known.mapping = known.mapping || (IsUnmapped(session) && session.state != storage::SessionState::kRecording);
-  }
-  if (!closure::IsSureEnoughForScans(predicted, scope.options)) return known;
+absl::StatusOr<std::vector<Viewpoint>> ListViewpoints(const KnownScansScope& scope, const MapId& map,
+                                                      const std::vector<storage::Session>& sessions,
+                                                      const Pose2& T_map_place, double reach) {
   ENFILADE_ASSIGN_OR_RETURN(const auto entries,
                             scope.stores.verdicts.ListInto(JudgingLease::Context(), scope.site, map, kMaxSessions));
   std::vector<Viewpoint> viewpoints;
@@ -177,10 +163,52 @@ absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const Ma
     ENFILADE_RETURN_IF_ERROR(AddEntering(scope, verdict, viewpoints));
   }
   std::erase_if(viewpoints, [&](const Viewpoint& one) {
-    return Between(predicted.pose, one.T_map_robot.pose).translation().norm() > scope.options.locate_reach;
+    return Between(T_map_place, one.T_map_robot.pose).translation().norm() > reach;
   });
+  return viewpoints;
+}
+
+// KnownScans or ScansAround.
+template <typename Known>
+void NoteUnfinished(const std::vector<storage::Session>& sessions, Known& known) {
+  for (const storage::Session& session : sessions) {
+    known.recording = known.recording || session.state == storage::SessionState::kRecording;
+    known.mapping = known.mapping || (IsUnmapped(session) && session.state != storage::SessionState::kRecording);
+  }
+}
+
+}  // namespace
+
+std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map) {
+  std::vector<Pose2> doors;
+  for (const graph::LinkPoint* link_point : graph.ListLinkPointsIn(map)) {
+    const graph::Anchor* anchor = link_point->FindAnchor(map);
+    if (anchor != nullptr && !link_point->is_candidate()) doors.push_back(anchor->T_map_place);
+  }
+  return doors;
+}
+
+absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map,
+                                          const PoseWithCovariance& predicted) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Session> sessions, ListSessions(scope, map));
+  KnownScans known;
+  NoteUnfinished(sessions, known);
+  if (!closure::IsSureEnoughForScans(predicted, scope.options)) return known;
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Viewpoint> viewpoints,
+                            ListViewpoints(scope, map, sessions, predicted.pose, scope.options.locate_reach));
   ENFILADE_ASSIGN_OR_RETURN(known.ground, ReadGround(scope, map, Choose(scope, viewpoints)));
   return known;
+}
+
+absl::StatusOr<ScansAround> ReadScansAround(const KnownScansScope& scope, const MapId& map, const Pose2& T_map_place,
+                                            double reach) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::Session> sessions, ListSessions(scope, map));
+  ScansAround around;
+  NoteUnfinished(sessions, around);
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<Viewpoint> viewpoints,
+                            ListViewpoints(scope, map, sessions, T_map_place, reach));
+  ENFILADE_ASSIGN_OR_RETURN(around.scans, ReadScans(scope, Choose(scope, viewpoints)));
+  return around;
 }
 
 }  // namespace enfilade::server

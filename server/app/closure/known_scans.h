@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/closure/closure_options.h"
@@ -36,5 +37,17 @@ struct KnownScansScope {
 // stores'.
 absl::StatusOr<KnownScans> ReadKnownScans(const KnownScansScope& scope, const MapId& map,
                                           const PoseWithCovariance& predicted);
+
+// The scans themselves, of keyframes within `reach`, m, of T_map_place, with all hits. The other rules are the same.
+struct ScansAround {
+  std::vector<closure::PlacedScan> scans;
+  bool recording = false;
+  bool mapping = false;
+};
+absl::StatusOr<ScansAround> ReadScansAround(const KnownScansScope& scope, const MapId& map, const Pose2& T_map_place,
+                                            double reach);
+
+// T_map_door of the map's link points.
+std::vector<Pose2> DoorsOf(const graph::GraphSnapshot& graph, const MapId& map);
 
 }  // namespace enfilade::server

@@ -33,9 +33,14 @@ constexpr int kMapsPage = 1000;
 constexpr std::size_t kMostUnjoined = 16;
 constexpr double kLeastWalls = 20.0;  // m, of such a map
 
-// The graph without its plans: they must not confirm what they have made.
-absl::StatusOr<graph::WorldPoses> WithoutPlans(const graph::GraphSnapshot& graph) {
+// The graph without its plans, and without the link points that only a plan's door has made: they must not confirm what
+// they have made.
+absl::StatusOr<graph::WorldPoses> WithoutPlans(const graph::GraphSnapshot& graph,
+                                               const std::vector<storage::PlanJoin>& joins) {
   graph::SnapshotChanges changes{.version = graph.version(), .plans = std::vector<graph::PlanInGraph>()};
+  for (const storage::PlanJoin& join : joins) {
+    if (!join.undone && !join.passed) changes.removed_link_points.push_back(join.link_point);
+  }
   ENFILADE_ASSIGN_OR_RETURN(graph::GraphSnapshot without, graph::Apply(graph, changes));
   ENFILADE_ASSIGN_OR_RETURN(graph::SolvedGraph solution, graph::OptimizeGraph(without));
   changes.solution = std::make_shared<const graph::SolvedGraph>(std::move(solution));
@@ -126,7 +131,8 @@ absl::StatusOr<LevelMaps> PriorAlignment::ReadLevel(const storage::CallContext& 
   }
   std::optional<graph::WorldPoses> without_plans;
   if (!graph->graph().plans().empty()) {
-    ENFILADE_ASSIGN_OR_RETURN(graph::WorldPoses made, WithoutPlans(graph->graph()));
+    ENFILADE_ASSIGN_OR_RETURN(const auto joins, plan_joins_.List(context, prior_map.site));
+    ENFILADE_ASSIGN_OR_RETURN(graph::WorldPoses made, WithoutPlans(graph->graph(), joins));
     without_plans.emplace(std::move(made));
   }
   const graph::WorldPoses& poses = without_plans ? *without_plans : graph->poses;

@@ -9,6 +9,7 @@
 #include "server/app/graph/site_graphs.h"
 #include "server/app/priors/level_maps.h"
 #include "storage/call_context.h"
+#include "storage/graph/plan_join_store.h"
 #include "storage/maps/blob_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/maps/prior_map_store.h"
@@ -27,9 +28,15 @@ struct AlignedPriorMap {
 // shafts of the plan say where the level lies (level_apart.h). Thread-safe; each call computes for seconds.
 class PriorAlignment {
  public:
-  PriorAlignment(const storage::PriorMapStore& prior_maps, const storage::MapReader& maps,
-                 const storage::RevisionStore& revisions, const storage::BlobStore& blobs, SiteGraphs& graphs)
-      : prior_maps_(prior_maps), maps_(maps), revisions_(revisions), blobs_(blobs), graphs_(graphs) {}
+  PriorAlignment(const storage::PriorMapStore& prior_maps, const storage::PlanJoinStore& plan_joins,
+                 const storage::MapReader& maps, const storage::RevisionStore& revisions,
+                 const storage::BlobStore& blobs, SiteGraphs& graphs)
+      : prior_maps_(prior_maps),
+        plan_joins_(plan_joins),
+        maps_(maps),
+        revisions_(revisions),
+        blobs_(blobs),
+        graphs_(graphs) {}
 
   // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist;
   // without pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the level;
@@ -60,6 +67,7 @@ class PriorAlignment {
   absl::StatusOr<grid::MapRaster> ReadRaster(const storage::CallContext& context, const storage::Map& map) const;
 
   const storage::PriorMapStore& prior_maps_;
+  const storage::PlanJoinStore& plan_joins_;
   const storage::MapReader& maps_;
   const storage::RevisionStore& revisions_;
   const storage::BlobStore& blobs_;

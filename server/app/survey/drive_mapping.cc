@@ -378,9 +378,15 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
   drives.continue_drives = run.continue_drives || std::any_of(sessions.begin(), sessions.end(), IsUnderWay);
   drives.newest_of_robots = NewestOfRobots(sessions);
   ENFILADE_ASSIGN_OR_RETURN(drives.rides, FindLiftRides(reader, sessions, maps));
+  std::set<LinkPointId> seen_through;
+  ENFILADE_ASSIGN_OR_RETURN(const auto joins, stores.plan_joins.List(SurveyContext(), site));
+  for (const storage::PlanJoin& join : joins) {
+    if (!join.undone) seen_through.insert(join.link_point);
+  }
   for (const int level : levels) {
     LevelMapper mapper(reader, options, graph, run, drives);
     ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped, mapper.Run(level, sessions, maps));
+    mapped.survey.seen_through = seen_through;
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }
   run.cache.DropUnused();

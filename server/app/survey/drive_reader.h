@@ -15,6 +15,7 @@
 #include "server/app/survey/stored_drives.h"
 #include "storage/call_context.h"
 #include "storage/graph/door_verdict_store.h"
+#include "storage/graph/plan_join_store.h"
 #include "storage/maps/map_store.h"
 #include "storage/sessions/mapping_store.h"
 #include "storage/sessions/record_store.h"
@@ -28,6 +29,7 @@ struct SurveyStores {
   const storage::MappingStore& mappings;
   const storage::MapReader& maps;
   const storage::DoorVerdictStore& verdicts;
+  const storage::PlanJoinStore& plan_joins;
 };
 
 // For one call of a store.

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
-#include "core/base/error.h"
 #include "core/base/resource_name.h"
 #include "core/base/status_macros.h"
-#include "nlohmann/json.hpp"
-#include "proto/convert/geometry.h"
+#include "proto/convert/record.h"
+#include "server/app/priors/plan_doors.h"
+#include "server/app/priors/plans_beside.h"
 #include "server/rpc/paging.h"
 #include "server/rpc/prior/handlers.h"
 #include "server/rpc/prior/product_file.h"
@@ -33,36 +31,44 @@ std::vector<PlacedLinkPoint> LinkPointsOn(const SiteGraph& graph, int level) {
           const graph::MapInGraph* map = graph.graph().FindMap(anchor.map);
           return map != nullptr && map->level == level;
         });
-    if (!is_on_level) continue;
+    if (!is_on_level || link_point->is_candidate()) continue;
     const auto place = graph::FindInWorld(graph.poses, *link_point);
     if (place) placed.push_back({link_point->id, place->pose.translation()});
   }
   return placed;
 }
 
-// The doors of a walls.geojson, in its order. DATA_LOSS.
-absl::StatusOr<std::vector<v1::PredictedLinkPoint>> DoorsOf(const std::string& bytes) {
-  const nlohmann::json document = nlohmann::json::parse(bytes, nullptr, /*allow_exceptions=*/false);
-  std::vector<v1::PredictedLinkPoint> doors;
-  try {
-    for (const nlohmann::json& feature : document.at("features")) {
-      const nlohmann::json& properties = feature.at("properties");
-      if (properties.at("kind") != "door") continue;
-      const auto ends = feature.at("geometry").at("coordinates").get<std::vector<std::vector<double>>>();
-      const Eigen::Vector2d from(ends.at(0).at(0), ends.at(0).at(1)), to(ends.at(1).at(0), ends.at(1).at(1));
-      const Eigen::Vector2d through(from.y() - to.y(), to.x() - from.x());
-      v1::PredictedLinkPoint& door = doors.emplace_back();
-      door.set_door(static_cast<int>(doors.size()) - 1);
-      *door.mutable_pose_world_place() = convert::ToProto(
-          Pose2{0.5 * (from.x() + to.x()), 0.5 * (from.y() + to.y()), std::atan2(through.y(), through.x())});
-      door.set_width_m((to - from).norm());
-      door.set_sigma_m(properties.at("sigma_m"));
-      door.set_seen(properties.at("state") == "seen");
-    }
-  } catch (const std::exception& error) {
-    return DataLoss("walls.geojson is damaged: {}", error.what());
+v1::PredictedLinkPoint DoorToProto(const closure::PlanDoor& door, int number, bool seen) {
+  v1::PredictedLinkPoint out;
+  out.set_door(number);
+  *out.mutable_pose_world_place() = convert::ToProto(door.T_plan_door);
+  out.set_width_m(door.width);
+  out.set_sigma_m(door.sigma);
+  out.set_seen(seen);
+  return out;
+}
+
+// The nearest to the door, within its reach.
+void AddLinkPoint(const std::vector<PlacedLinkPoint>& known, const SiteId& site, v1::PredictedLinkPoint& door) {
+  const v1::Pose2& place = door.pose_world_place();
+  double least = std::max(kLeastReach, kReachSigmas * door.sigma_m());
+  for (const PlacedLinkPoint& one : known) {
+    const double distance = (one.position - Eigen::Vector2d(place.x(), place.y())).norm();
+    if (distance > least) continue;
+    least = distance;
+    door.set_link_point(NameOf(site, one.id));
   }
-  return doors;
+}
+
+void AddSightings(const closure::SightedDoor& sighted, const SiteId& site, const std::vector<storage::PlanJoin>& joins,
+                  v1::PredictedLinkPoint& door) {
+  for (const LinkPointId& candidate : sighted.candidates) door.add_candidates(NameOf(site, candidate));
+  door.set_reason(sighted.reason);
+  for (const storage::PlanJoin& join : joins) {
+    if (join.undone || door.link_point() != NameOf(site, join.link_point)) continue;
+    door.set_joined_by_plan(true);
+    door.set_reason(join.reason);
+  }
 }
 
 }  // namespace
@@ -75,26 +81,28 @@ absl::StatusOr<v1::ListPredictedLinkPointsResponse> ListPredictedLinkPoints(
   ENFILADE_ASSIGN_OR_RETURN(const std::int64_t first, FromNumericPageToken(request.page_token(), 0));
   ENFILADE_ASSIGN_OR_RETURN(
       const std::string walls,
-      ReadProductFile(services, call, name, storage::PriorMapProduct::kCorrected, "walls.geojson"));
+      ReadProductFile(services, call, name, storage::PriorMapProduct::kCorrected, kCorrectedWalls));
   ENFILADE_ASSIGN_OR_RETURN(const storage::PriorMap prior_map,
                             services.prior_maps.Get(call.context(), name.site, name.prior_map));
-  ENFILADE_ASSIGN_OR_RETURN(std::vector<v1::PredictedLinkPoint> doors, DoorsOf(walls));
+  ENFILADE_ASSIGN_OR_RETURN(CorrectedDoors doors, ParseCorrectedDoors(walls));
+  ENFILADE_ASSIGN_OR_RETURN(const auto ties,
+                            ReadTies(call.context(), services.prior_maps, services.blobs, name.site, name.prior_map));
+  if (ties) doors.plan.maps = ties->maps;
   ENFILADE_ASSIGN_OR_RETURN(const auto graph, services.graphs.Get(call.context(), name.site));
+  ENFILADE_ASSIGN_OR_RETURN(const auto joins, services.plan_joins.List(call.context(), name.site));
   const std::vector<PlacedLinkPoint> known = LinkPointsOn(*graph, prior_map.level);
-  const auto begin = std::min(doors.size(), static_cast<std::size_t>(std::max<std::int64_t>(first, 0)));
-  const std::size_t end = std::min(doors.size(), begin + static_cast<std::size_t>(size));
+  const std::vector<closure::SightedDoor> sighted =
+      closure::FindSightedDoors(doors.plan, graph->graph(), services.options.closure);
+  const std::size_t count = doors.plan.doors.size();
+  const auto begin = std::min(count, static_cast<std::size_t>(std::max<std::int64_t>(first, 0)));
+  const std::size_t end = std::min(count, begin + static_cast<std::size_t>(size));
   for (std::size_t i = begin; i < end; ++i) {
-    const v1::Pose2& place = doors[i].pose_world_place();
-    double least = std::max(kLeastReach, kReachSigmas * doors[i].sigma_m());
-    for (const PlacedLinkPoint& one : known) {
-      const double distance = (one.position - Eigen::Vector2d(place.x(), place.y())).norm();
-      if (distance > least) continue;
-      least = distance;
-      doors[i].set_link_point(NameOf(name.site, one.id));
-    }
-    *response.add_predicted() = std::move(doors[i]);
+    v1::PredictedLinkPoint door = DoorToProto(doors.plan.doors[i], static_cast<int>(i), doors.seen[i]);
+    AddLinkPoint(known, name.site, door);
+    AddSightings(sighted[i], name.site, joins, door);
+    *response.add_predicted() = std::move(door);
   }
-  if (end < doors.size()) response.set_next_page_token(ToPageToken(std::to_string(end)));
+  if (end < count) response.set_next_page_token(ToPageToken(std::to_string(end)));
   return response;
 }
 

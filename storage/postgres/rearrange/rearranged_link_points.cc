@@ -58,6 +58,23 @@ constexpr Statement kPutEvidenceBack{
     "   c.x + cos(c.yaw) * e.x - sin(c.yaw) * e.y, c.y + sin(c.yaw) * e.x + cos(c.yaw) * e.y,"
     "   enfilade.wrap_angle(e.yaw + c.yaw)"
     " FROM e JOIN choice c ON c.link_point_id = e.link_point_id AND c.kind = e.kind AND c.source = e.map_id"};
+// Of a door that two maps have seen: the evidence of the candidates that it replaces, of one of them for each map.
+constexpr Statement kPutJoinedEvidence{
+    "storing the candidates' evidence",
+    "WITH p AS (SELECT * FROM enfilade.rearrangement_parts WHERE site_id = $1 AND rearrangement_id = $2),"
+    " chosen AS (SELECT DISTINCT ON (a.map_id) a.link_point_id, a.map_id, i.before"
+    "   FROM p JOIN enfilade.rearrangement_images i ON i.site_id = $1 AND i.rearrangement_id = $2"
+    "     AND i.relation = 'link_point' AND i.key = p.subject"
+    "   JOIN p AS stored ON stored.kind = 4"
+    "   JOIN enfilade.link_point_anchors a ON a.site_id = $1 AND a.link_point_id = stored.subject"
+    "     AND a.map_id = i.before -> 'anchors' -> 0 ->> 'map_id'"
+    "   WHERE p.kind = 5 AND NOT EXISTS (SELECT FROM enfilade.link_point_evidence h WHERE h.site_id = $1"
+    "     AND h.link_point_id = a.link_point_id AND h.map_id = a.map_id) ORDER BY a.map_id, p.ordinal)"
+    " INSERT INTO enfilade.link_point_evidence"
+    " (site_id, link_point_id, map_id, kind, ordinal, encoding, sha256, time_ns, x, y, yaw)"
+    " SELECT $1, c.link_point_id, c.map_id, e.kind, e.ordinal, e.encoding, e.sha256, e.time_ns, e.x, e.y, e.yaw"
+    " FROM chosen c, jsonb_array_elements(nullif(c.before -> 'evidence', 'null')) j,"
+    "   jsonb_populate_record(NULL::enfilade.link_point_evidence, j) e WHERE e.map_id = c.map_id"};
 
 void QueueNewAnchors(Transaction& transaction, const SiteId& site, const graph::LinkPoint& point) {
   const AnchorArrays arrays(point.anchors);
@@ -98,6 +115,7 @@ absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, cons
     ENFILADE_RETURN_IF_ERROR(ExplainStored(transaction.Flush().status(), site, point));
   }
   transaction.Queue(kPutEvidenceBack, Params(site, change.id));
+  if (!rearrangement.plan.empty()) transaction.Queue(kPutJoinedEvidence, Params(site, change.id));
   return PlaceLinkPointsOf(transaction, site, change.id, version);
 }
 

@@ -13,10 +13,10 @@
 namespace enfilade::storage::postgres {
 namespace {
 
-constexpr Statement kInsertRearrangement{
-    "storing the rearrangement",
-    "INSERT INTO enfilade.rearrangements (site_id, rearrangement_id, reason, version_before, version_after)"
-    " VALUES ($1, $2, $3, $4, $5)"};
+constexpr Statement kInsertRearrangement{"storing the rearrangement",
+                                         "INSERT INTO enfilade.rearrangements (site_id, rearrangement_id, reason, "
+                                         "version_before, version_after, prior_map_id)"
+                                         " VALUES ($1, $2, $3, $4, $5, $6)"};
 // The rest of a cut session comes from its map. A cut is made at a keyframe: scans are relative to the one before them.
 constexpr Statement kInsertParts{
     "storing the rearrangement's parts",
@@ -145,7 +145,8 @@ absl::StatusOr<std::vector<StoredRearrangement>> WithParts(Transaction& transact
 void QueueRearrangement(Transaction& transaction, const SiteId& site, const RearrangementChange& change,
                         std::int64_t version) {
   const rearrange::Rearrangement& rearrangement = change.rearrangement;
-  transaction.Queue(kInsertRearrangement, Params(site, change.id, rearrangement.reason, change.graph_version, version));
+  transaction.Queue(kInsertRearrangement, Params(site, change.id, rearrangement.reason, change.graph_version, version,
+                                                 NullIfEmpty(rearrangement.plan.value())));
   PartColumns maps, cuts, moves, stored, removed, redirects;
   for (const auto& map : rearrangement.new_maps) maps.Add(map.id.value(), "", 0, {});
   for (const auto& cut : rearrangement.cuts) cuts.Add(cut.session.value(), cut.rest.value(), cut.first_sequence, {});

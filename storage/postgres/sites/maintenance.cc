@@ -82,13 +82,17 @@ absl::StatusOr<std::vector<SiteId>> ListSites(postgres::Pool& pool, const CallCo
   return ReadRows(result, [](Row& row) { return SiteId(std::string(row.Text())); });
 }
 
+// What a plan's doors have joined is undone when the plan is no longer in use, however long that takes.
+#define ENFILADE_MAY_EXPIRE " AND (prior_map_id IS NULL OR version_undone > 0)"
 constexpr Statement kListExpiredUndo{"looking for rearrangements past their retention",
                                      "SELECT DISTINCT site_id FROM enfilade.rearrangements"
-                                     " WHERE NOT undo_purged AND create_time <= now() - $1 * interval '1 second'"};
+                                     " WHERE NOT undo_purged" ENFILADE_MAY_EXPIRE
+                                     " AND create_time <= now() - $1 * interval '1 second'"};
 // Skips rearrangements that are being undone, or that another replica is purging. They are locked as Undo locks them.
 constexpr Statement kFindExpiredUndo{"looking for rearrangements past their retention",
                                      "SELECT rearrangement_id FROM enfilade.rearrangements WHERE site_id = $1"
-                                     " AND NOT undo_purged AND create_time <= now() - $2 * interval '1 second'"
+                                     " AND NOT undo_purged" ENFILADE_MAY_EXPIRE
+                                     " AND create_time <= now() - $2 * interval '1 second'"
                                      " ORDER BY create_time LIMIT 1 FOR UPDATE SKIP LOCKED"};
 constexpr Statement kMarkUndoPurged{"closing the rearrangement",
                                     "UPDATE enfilade.rearrangements SET undo_expired = true, undo_purged = $3"

@@ -84,7 +84,7 @@ constexpr Statement kForgetSessions{
     "   AND NOT EXISTS (SELECT FROM enfilade.map_revisions r WHERE r.site_id = $1 AND r.session_id = s.session_id)"
     "   AND NOT EXISTS (SELECT FROM enfilade.map_layers l WHERE l.site_id = $1 AND l.session_id = s.session_id)"
     "   AND NOT EXISTS (SELECT FROM enfilade.rearrangements a WHERE a.site_id = $1 AND NOT a.undo_purged"
-    "     AND a.create_time <= s.delete_time)"
+    "     AND a.prior_map_id IS NULL AND a.create_time <= s.delete_time)"
     "   ORDER BY s.delete_time LIMIT $3 FOR UPDATE SKIP LOCKED)"
     " DELETE FROM enfilade.sessions d USING due WHERE d.site_id = $1 AND d.session_id = due.session_id"};
 // Skips sessions that somebody is working on.

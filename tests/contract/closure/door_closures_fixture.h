@@ -48,6 +48,8 @@ class Workers {
                       graphs_, wake_, [this] { mapping_->Wake(); });
   }
 
+  server::SiteGraphs& graphs() { return graphs_; }
+
  private:
   storage::postgres::Pool& pool_;
   const storage::postgres::SessionStore sessions_{pool_};

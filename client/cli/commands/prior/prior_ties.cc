@@ -58,9 +58,15 @@ std::vector<std::string> ShaftRow(const v1::PriorShaft& shaft) {
 }
 
 nlohmann::json DoorToJson(const v1::PredictedLinkPoint& door) {
-  return {{"door", door.door()},       {"pose_world_place", PlaceToJson(door.pose_world_place())},
-          {"width_m", door.width_m()}, {"sigma_m", door.sigma_m()},
-          {"seen", door.seen()},       {"link_point", door.link_point()}};
+  return {{"door", door.door()},
+          {"pose_world_place", PlaceToJson(door.pose_world_place())},
+          {"width_m", door.width_m()},
+          {"sigma_m", door.sigma_m()},
+          {"seen", door.seen()},
+          {"link_point", door.link_point()},
+          {"candidates", std::vector<std::string>(door.candidates().begin(), door.candidates().end())},
+          {"joined_by_plan", door.joined_by_plan()},
+          {"reason", door.reason()}};
 }
 
 std::vector<std::string> DoorRow(const v1::PredictedLinkPoint& door) {
@@ -70,7 +76,9 @@ std::vector<std::string> DoorRow(const v1::PredictedLinkPoint& door) {
           fmt::format("{:.2f}", door.width_m()),
           fmt::format("{:.2f}", door.sigma_m()),
           door.seen() ? "yes" : "no",
-          IdOf(door.link_point())};
+          std::string(IdOf(door.link_point())) + (door.joined_by_plan() ? " (by the plan)" : ""),
+          std::to_string(door.candidates_size()),
+          door.reason()};
 }
 
 // Prints what belongs to a plan.
@@ -111,7 +119,8 @@ void AddPriorTies(CLI::App& prior, const Globals& globals) {
       AddCommand(prior, "doors", "List a plan's doors, and which of them have link points", [&globals, plan] {
         return ListOfPlan<v1::PredictedLinkPoint>(
             globals, *plan, &PriorMapStub::ListPredictedLinkPoints, &v1::ListPredictedLinkPointsResponse::predicted,
-            {"DOOR", "X_M", "Y_M", "WIDTH_M", "SIGMA_M", "SEEN", "LINK_POINT"}, DoorToJson, DoorRow);
+            {"DOOR", "X_M", "Y_M", "WIDTH_M", "SIGMA_M", "SEEN", "LINK_POINT", "CANDIDATES", "REASON"}, DoorToJson,
+            DoorRow);
       });
   doors->footer("Example: enfilade prior doors \"Ground floor\"");
   for (CLI::App* command : {associations, shafts, doors}) {

@@ -1,0 +1,2 @@
+-- SPDX-License-Identifier: Apache-2.0
+SELECT prior_map_id, plan_withdrawn FROM enfilade.rearrangements WHERE false;
