@@ -118,30 +118,44 @@ class MapArranger {
     }
   }
 
-  // A pinned map may be that of several rooms: those that one of its sessions was in farther than a session goes on
-  // behind its door, or that it was driven in farther than any other map. Returns the pinned maps.
+  // A pinned map may be that of several rooms: those that it was driven in farther than any other map, and those that
+  // one of its sessions was in farther than a session goes on behind its door, before any session of other maps was.
+  // What is recorded later and taken for the map by a wrong verdict claims no room. Returns the pinned maps.
   std::set<MapId> ChoosePinnedMaps() {
-    constexpr double kBehindDoor = 4.0;  // m
     std::set<MapId> pinned;
-    std::map<int, double> farthest;                     // m, by room
-    std::map<int, double> farthest_pinned;              // m, by room
-    std::map<std::pair<int, MapId>, double> at_a_time;  // m, the longest stretch
+    std::map<int, double> farthest;         // m, by room
+    std::map<int, double> farthest_pinned;  // m, by room
     for (const auto& [pair, length] : driven_) farthest[pair.first] = std::max(farthest[pair.first], length);
-    for (const Stretch& stretch : found_.stretches) {
-      double& longest = at_a_time[{stretch.room, SessionOf(stretch).map}];
-      longest = std::max(longest, stretch.length);
-    }
+    const std::map<int, MapId> first = FirstMaps();
     for (const auto& [pair, length] : driven_) {
       const auto& [room, map] = pair;
       if (!IsPinned(map)) continue;
       pinned.insert(map);
-      if (at_a_time[pair] < kBehindDoor && length < farthest[room]) continue;
+      const auto found = first.find(room);
+      const bool was_first = found != first.end() && found->second == map;
+      if (!was_first && length < farthest[room]) continue;
       double& best = farthest_pinned[room];
       if (length <= best) continue;
       best = length;
       plan_.map_of_room[room] = map;
     }
     return pinned;
+  }
+
+  // The map of the session that was in each room first, and farther than a session goes on behind its door.
+  std::map<int, MapId> FirstMaps() const {
+    constexpr double kBehindDoor = 4.0;  // m
+    std::map<int, std::pair<TimeNs, MapId>> first;
+    for (const Stretch& stretch : found_.stretches) {
+      const SurveyedSession& session = SessionOf(stretch);
+      if (stretch.length < kBehindDoor) continue;
+      const TimeNs time = session.visits[stretch.first].time;
+      const auto [found, is_new] = first.try_emplace(stretch.room, time, session.map);
+      if (!is_new && time < found->second.first) found->second = {time, session.map};
+    }
+    std::map<int, MapId> maps;
+    for (const auto& [room, visit] : first) maps[room] = visit.second;
+    return maps;
   }
 
   bool IsPinned(const MapId& map) const {

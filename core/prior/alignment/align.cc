@@ -127,7 +127,8 @@ std::vector<Twin> TwinsOf(const PlanGraph& plan, const MapEvidence& evidence, co
   return twins;
 }
 
-// Whether of a few places that fit nearly alike the likeliest is believed. `refused`: what is said of them else.
+// Whether of a few places that fit nearly alike the likeliest is believed: only if it also fits best, as a correction
+// may have gone astray at one of them. `refused`: what is said of them else.
 Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<Twin>& twins, const Alignment& refused,
                          const AlignOptions& options) {
   const Candidate& best = twins[0].place;
@@ -139,6 +140,7 @@ Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<Twin>& twins, 
   double rival = 0;
   for (auto other = twins.begin() + 1; other != twins.end(); ++other) rival = std::max(rival, other->place.score);
   alignment.rival_ratio = best.score / rival;
+  if (alignment.rival_ratio < 1) return refused;
   alignment.accepted = true;
   alignment.reason = fmt::format(
       "another place fits nearly as well ({:.2f} times), but corrected there the plan is less likely (log odds "

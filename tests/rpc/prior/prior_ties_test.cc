@@ -186,9 +186,13 @@ TEST_F(PriorTiesTest, DoorsOfThePlanArePredicted) {
   for (const double x : {2.0, 22.0, 30.0}) plan.doors.push_back({{20 * x, 200}, {20 * x + 20, 200}});
   ASSERT_OK(ImportPlan(prior::WriteGeoJsonPlan(plan), Manifest()).status());
   ASSERT_OK(Align().status());
+  MakeMap("beyond");
   v1::CreateLinkPointRequest known;
   known.set_parent("sites/s");
   known.set_link_point_id("door");
+  v1::Anchor& other = *known.mutable_link_point()->add_anchors();
+  other.set_map("sites/s/maps/beyond");
+  other.mutable_pose_map_place()->mutable_pose()->set_x(1.0);
   v1::Anchor& anchor = *known.mutable_link_point()->add_anchors();
   anchor.set_map("sites/s/maps/m");
   const Eigen::Vector2d at = Truth({450, 196});

@@ -75,6 +75,22 @@ TEST(ArrangePinned, WhatRobotsRecordLaterInItsRoomsJoinsIt) {
   EXPECT_TRUE(Arrange(after).empty());
 }
 
+// A wrong verdict has put into the pinned map what a robot recorded in another room.
+TEST(ArrangePinned, WhatIsRecordedLaterInAnotherMapsRoomClaimsItNot) {
+  LevelSurvey survey;
+  survey.drives = {
+      MakeDrive({{"s", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.0}}},
+                 {"t", "b", {}, {{1.5, 2.0}, {3.5, 0.5}, {0.5, 0.5}, {3.5, 0.5}, {0.5, 0.5}}}}),
+      MakeDrive({{"u", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 0.5}, {3.5, 0.5}, {0.5, 0.5}, {3.5, 0.5}}}})};
+  for (Visit& visit : survey.drives[1][0].visits) visit.time += 1'000'000'000'000;
+  survey.maps = {{.id = MapId("a"), .root = true, .pinned = true}, {.id = MapId("b")}};
+  EXPECT_THAT(Arrange(survey).redirects, IsEmpty());
+  EXPECT_THAT(Arrange(survey).moves, IsEmpty());
+  // Had it been there first, the room would be the pinned map's, as that of all its sessions.
+  for (Visit& visit : survey.drives[0][1].visits) visit.time += 2'000'000'000'000;
+  EXPECT_THAT(Arrange(survey).redirects, SizeIs(1));
+}
+
 // A session ends behind the door that it reports: that is no decision about the next room.
 TEST(ArrangePinned, TheEndOfASessionBehindItsDoorTakesNoRoom) {
   LevelSurvey survey = DoubledCorridor();

@@ -76,6 +76,22 @@ TEST(FitPlan, RefusesAPlanThatFitsAsWellTurnedOver) {
   EXPECT_LT(fit->alignment.rival_ratio, 1.02);
 }
 
+TEST(FitPlan, EvidenceAgainstThePlaceThatFitsBestDecidesNothing) {
+  const PlanGraph plan = TwoSidedBuilding(1.5);
+  PlanTransform truth = Turned(0.3);
+  truth.linear.col(1) *= -1;
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, [](const auto&) { return true; }));
+  AlignOptions options;
+  options.log_evidence = [](const auto&, const auto&, const PlanTransform& place) {
+    return place.mirrored() ? 100.0 : 0.0;
+  };
+  EXPECT_TRUE(AlignByItself(plan, evidence, options).accepted);
+  options.log_evidence = [](const auto&, const auto&, const PlanTransform& place) {
+    return place.mirrored() ? 0.0 : 100.0;
+  };
+  EXPECT_FALSE(AlignByItself(plan, evidence, options).accepted);
+}
+
 TEST(FitPlan, TellsAPlanFromItsMirrorImageByOneWall) {
   const PlanGraph plan = TwoSidedBuilding(1.5);
   PlanTransform truth = Turned(0.3);
