@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "core/rooms/door_odds.h"
+#include "core/rooms/path_narrows.h"
 
 namespace enfilade::rooms {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 // How often robots went across each line.
 std::vector<int> CountCrossings(const grid::GridGeometry& geometry, std::span<const Eigen::Vector2d> trajectory,
                                 const std::vector<DoorLine>& lines) {
-  constexpr double kLongestStep = 1.0;  // m
   std::vector<int> crossings(lines.size(), 0);
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     if (!((trajectory[i] - trajectory[i - 1]).norm() <= kLongestStep)) continue;
@@ -44,6 +44,7 @@ double DetectionRate(const std::vector<DoorLine>& lines, const std::vector<int>&
   int passed = 0;
   int reported = 0;
   for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (crossings[k] == 0) continue;
     DoorEvidence walls = lines[k].evidence;
     walls.reports = 0;
     if (OpennessOf(walls) > kClear) continue;
@@ -59,13 +60,14 @@ double WidestReported(std::span<const PassageHint> passages) {
   constexpr double kMargin = 0.2;
   double widest = 0.0;
   for (const PassageHint& passage : passages) widest = std::max(widest, (passage.b - passage.a).norm());
-  return widest > 0.0 ? widest + kMargin : 0.0;
+  return widest + kMargin;
 }
 
 }  // namespace
 
 void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, std::vector<DoorLine>& lines) {
   constexpr double kMost = 10.0;
+  if (evidence.passages.empty()) return;
   const std::vector<int> crossings = CountCrossings(geometry, evidence.trajectory, lines);
   const std::vector<int> reports = CountReports(geometry, evidence.passages, lines);
   const double one_passage = -std::log(1.0 - DetectionRate(lines, crossings, reports));

@@ -17,7 +17,6 @@ struct Section {
 // The path in cells, with a point in each that it crosses. A jump begins a new way.
 std::vector<std::vector<Eigen::Vector2d>> Resample(const GroundMap& ground, const grid::GridGeometry& geometry,
                                                    std::span<const Eigen::Vector2d> path) {
-  constexpr double kLongestStep = 1.0;  // m
   const double longest_step = kLongestStep / ground.resolution;
   std::vector<std::vector<Eigen::Vector2d>> ways;
   for (const Eigen::Vector2d& p_map : path) {

@@ -84,8 +84,8 @@ struct LevelSurvey {
   std::vector<SurveyedMap> maps = {};  // all maps of the level's sessions
   std::vector<AwaitedMap> awaited = {};
   std::vector<graph::LinkPoint> link_points = {};  // with an anchor in one of these maps
-  std::set<LinkPointId> seen_through =
-      {};                       // of link_points: doors that robots saw from both sides (closure/match_door.h)
+  // Of link_points: doors that robots saw through from both sides (core/closure/plans/match_door.h).
+  std::set<LinkPointId> seen_through = {};
   std::set<MapId> cabins = {};  // of lifts: maps of other levels in which robots came to another one
 
   const SurveyedMap* FindMap(const MapId& id) const;

@@ -37,15 +37,20 @@ PassageHint ReportAt(const DrawnRooms& drawn, char door) {
   return {drawn[door] + Eigen::Vector2d(0.0, 0.5), drawn[door] - Eigen::Vector2d(0.0, 0.5)};
 }
 
-// The lines at the doors 1 and 2, as judged by these reports and that way.
-std::pair<DoorLine, DoorLine> Judge(const DrawnRooms& drawn, const std::string& reports, const std::string& way) {
+std::vector<DoorLine> JudgeAll(const DrawnRooms& drawn, const std::string& reports,
+                               const std::vector<Eigen::Vector2d>& trajectory) {
   std::vector<PassageHint> passages;
   for (const char door : reports) passages.push_back(ReportAt(drawn, door));
-  const std::vector<Eigen::Vector2d> trajectory = drawn.Path(way);
   const GroundMap ground = ReadGround(drawn.grid, {}, trajectory);
   std::vector<DoorLine> lines = FindDoorLines(ground, DistancesToWalls(ground), {});
   AddPassages(ground, drawn.grid.geometry, passages, lines);
   WeighSilence(drawn.grid.geometry, {passages, trajectory}, lines);
+  return lines;
+}
+
+// The lines at the doors 1 and 2, as judged by these reports and that way.
+std::pair<DoorLine, DoorLine> Judge(const DrawnRooms& drawn, const std::string& reports, const std::string& way) {
+  const std::vector<DoorLine> lines = JudgeAll(drawn, reports, drawn.Path(way));
   const auto at = [&](char door) {
     const Eigen::Vector2d cells = ToCells(drawn.grid.geometry, drawn[door]);
     for (const DoorLine& line : lines) {
@@ -86,12 +91,7 @@ TEST(PassageSilence, AnUnsteadyDetectorSaysLess) {
 }
 
 TEST(PassageSilence, AJumpIsNoPassage) {
-  std::vector<Eigen::Vector2d> jumps{TwoDoors()['a'], TwoDoors()['c'], TwoDoors()['a']};
-  const std::vector<PassageHint> passages{ReportAt(TwoDoors(), '1')};
-  const GroundMap ground = ReadGround(TwoDoors().grid, {}, jumps);
-  std::vector<DoorLine> lines = FindDoorLines(ground, DistancesToWalls(ground), {});
-  AddPassages(ground, TwoDoors().grid.geometry, passages, lines);
-  WeighSilence(TwoDoors().grid.geometry, {passages, jumps}, lines);
+  const std::vector<DoorLine> lines = JudgeAll(TwoDoors(), "1", {TwoDoors()['a'], TwoDoors()['c'], TwoDoors()['a']});
   ASSERT_EQ(lines.size(), 2U);
   for (const DoorLine& line : lines) EXPECT_EQ(line.evidence.silence, 0.0);
 }
