@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/geometry/pose2.h"
+#include "core/geometry/segments.h"
 #include "core/rooms/door_evidence.h"
 
 namespace enfilade::rooms {
@@ -157,12 +158,7 @@ std::vector<DoorCandidate> AlignWithWalls(const GroundMap& ground, const DoorCan
 }
 
 bool Crosses(const DoorCandidate& one, const DoorCandidate& other) {
-  const auto side = [](const DoorCandidate& line, const Eigen::Vector2d& p) {
-    const Eigen::Vector2d along = line.b - line.a;
-    const Eigen::Vector2d to = p - line.a;
-    return along.x() * to.y() - along.y() * to.x();
-  };
-  return side(one, other.a) * side(one, other.b) < 0.0 && side(other, one.a) * side(other, one.b) < 0.0;
+  return SegmentsCross(one.a, one.b, other.a, other.b);
 }
 
 bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double apart) {

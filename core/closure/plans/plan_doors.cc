@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/closure/known_places.h"
+#include "core/geometry/segments.h"
 #include "core/graph/search_radius.h"
 #include "fmt/format.h"
 
@@ -20,10 +21,7 @@ const Pose2 kTurned{0.0, 0.0, M_PI};
 
 // Whether the segments a-b and c-d have a point in common; touching ends count.
 bool Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
-  const auto side = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
-    return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
-  };
-  return side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0;
+  return SideOf(a, b, c) * SideOf(a, b, d) <= 0.0 && SideOf(c, d, a) * SideOf(c, d, b) <= 0.0;
 }
 
 std::pair<Eigen::Vector2d, Eigen::Vector2d> EndsOf(const PlanDoor& door) {

@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/geo/transverse_mercator.h"
+#include "core/geometry/segments.h"
 #include "core/prior/plan/plan_check.h"
 #include "nlohmann/json.hpp"
 
@@ -160,7 +161,7 @@ class PlanReader {
     for (std::size_t i = 0; count <= kMostChecked && i < count; ++i) {
       for (std::size_t j = i + 2; j < count; ++j) {
         if (i == 0 && j + 1 == count) continue;
-        if (Cross(outline[i], outline[i + 1], outline[j], outline[(j + 1) % count])) {
+        if (SegmentsCross(outline[i], outline[i + 1], outline[j], outline[(j + 1) % count])) {
           return InvalidArgument("the outline crosses itself between its corners {} and {}", i, j);
         }
       }
@@ -168,13 +169,6 @@ class PlanReader {
     return outline;
   }
   static constexpr std::size_t kMostChecked = 2000;  // corners: the check takes their square
-
-  static bool Cross(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
-    const auto side = [](const Vector2d& p, const Vector2d& q, const Vector2d& r) {
-      return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
-    };
-    return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
-  }
 
   // A member of another type than it should have is an exception.
   absl::Status ReadTypedFeature(const Json& feature) {
