@@ -75,6 +75,12 @@ void Draw(const SceneMarker& marker, const SceneView& view, grid::RgbImage& imag
     grid::DrawLine(image, at + Eigen::Vector2d(-5, 5), at + Eigen::Vector2d(5, -5), marker.color, 2);
     return;
   }
+  if (marker.shape == SceneMarker::Shape::kSquare) {
+    for (int dy = -4; dy <= 4; ++dy) {
+      grid::DrawLine(image, at + Eigen::Vector2d(-4, dy), at + Eigen::Vector2d(4, dy), marker.color, 1);
+    }
+    return;
+  }
   constexpr int kRadius = 5;
   for (int dy = -kRadius; dy <= kRadius; ++dy) {
     const double dx = std::sqrt(kRadius * kRadius - dy * dy);

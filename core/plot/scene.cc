@@ -10,6 +10,8 @@
 namespace enfilade::plot {
 namespace {
 
+constexpr double kPale = 0.22;  // share of its colour that free ground has
+
 class Bounds {
  public:
   void Add(const Eigen::Vector2d& p) {
@@ -88,7 +90,7 @@ grid::Rgb ColorOfCell(std::uint8_t cell, grid::Rgb color) {
   const double occupied = grid::ProbabilityOfCell(cell);
   grid::Rgb result;
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const double pale = 255.0 - 0.15 * (255.0 - color[i]);
+    const double pale = 255.0 - kPale * (255.0 - color[i]);
     const double dark = 0.5 * color[i];
     result[i] = static_cast<std::uint8_t>(std::lround(pale + occupied * (dark - pale)));
   }

@@ -39,7 +39,7 @@ struct SceneEllipse {
 };
 
 struct SceneMarker {
-  enum class Shape : std::uint8_t { kDot, kRing, kCross };
+  enum class Shape : std::uint8_t { kDot, kRing, kCross, kSquare };
   Eigen::Vector2d at;
   Shape shape = Shape::kDot;
   grid::Rgb color{};

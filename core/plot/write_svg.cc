@@ -100,6 +100,10 @@ std::string ToSvg(const SceneMarker& marker, const SceneView& view) {
         "stroke-width=\"2\"/>\n",
         at.x(), at.y(), Hex(marker.color));
   }
+  if (marker.shape == SceneMarker::Shape::kSquare) {
+    return fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"9\" height=\"9\" fill=\"{}\"/>\n", at.x() - 4.5,
+                       at.y() - 4.5, Hex(marker.color));
+  }
   const bool dot = marker.shape == SceneMarker::Shape::kDot;
   return fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"4\" stroke=\"{}\" stroke-width=\"2\" fill=\"{}\"/>\n",
                      at.x(), at.y(), Hex(marker.color), dot ? Hex(marker.color) : "white");

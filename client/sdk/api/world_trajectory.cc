@@ -31,8 +31,9 @@ absl::StatusOr<std::vector<MappedPose>> ReadPoses(const Connection& connection, 
   return poses;
 }
 
+// `robot`: unset: all robots.
 absl::StatusOr<std::vector<MappedStretch>> ReadOnce(const Connection& connection, const v1::Graph& graph,
-                                                    const std::string& robot) {
+                                                    const std::optional<std::string>& robot) {
   std::map<std::string, const v1::GraphMap*> maps;
   for (const v1::GraphMap& map : graph.maps()) maps[map.map()] = &map;
   v1::ListSessionsRequest request;
@@ -43,7 +44,7 @@ absl::StatusOr<std::vector<MappedStretch>> ReadOnce(const Connection& connection
   std::vector<MappedStretch> stretches;
   bool any = false;
   for (const v1::Session& session : sessions) {
-    if (session.robot() != robot) continue;
+    if (robot && session.robot() != *robot) continue;
     any = true;
     MappedStretch stretch{session.name(), session.map(), "", std::nullopt, {}};
     if (const auto map = maps.find(session.map()); map != maps.end()) {
@@ -55,7 +56,7 @@ absl::StatusOr<std::vector<MappedStretch>> ReadOnce(const Connection& connection
     ENFILADE_ASSIGN_OR_RETURN(stretch.poses, ReadPoses(connection, session.name()));
     if (!stretch.poses.empty() || stretch.map.empty()) stretches.push_back(std::move(stretch));
   }
-  if (!any) return NotFound("{} has no sessions", robot);
+  if (robot && !any) return NotFound("{} has no sessions", *robot);
   const auto begin = [](const MappedStretch& stretch) {
     return stretch.poses.empty() ? TimeNs{0} : stretch.poses.front().time;
   };
@@ -76,6 +77,11 @@ absl::StatusOr<std::vector<MappedStretch>> ReadStretches(const Connection& conne
     graph = std::move(after);
   }
   return absl::AbortedError("the graph of " + site + " keeps changing: try again when the robots are done");
+}
+
+absl::StatusOr<std::vector<MappedStretch>> ReadPresentStretches(const Connection& connection, const std::string& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Graph graph, ReadGraph(connection, site));
+  return ReadOnce(connection, graph, std::nullopt);
 }
 
 WorldTrajectory JoinStretches(const std::vector<MappedStretch>& stretches) {

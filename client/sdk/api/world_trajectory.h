@@ -31,6 +31,10 @@ struct MappedStretch {
 // five times. NOT_FOUND: the robot has no sessions. ABORTED: the graph changed each time.
 absl::StatusOr<std::vector<MappedStretch>> ReadStretches(const Connection& connection, const std::string& robot);
 
+// The sessions of all robots of a site, `site`: sites/{site}, as they are while they are read: not at one version of
+// the graph. For pictures. Empty if there are none.
+absl::StatusOr<std::vector<MappedStretch>> ReadPresentStretches(const Connection& connection, const std::string& site);
+
 struct WorldPose {
   TimeNs time = 0;
   Pose2 T_world_robot;

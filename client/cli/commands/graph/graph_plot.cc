@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,11 +17,13 @@
 #include "client/sdk/api/graph.h"
 #include "client/sdk/api/map_export.h"
 #include "client/sdk/api/paging.h"
+#include "client/sdk/api/world_trajectory.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/graph/search_radius.h"
 #include "core/grid/files/map_files.h"
 #include "core/plot/scene.h"
+#include "core/plot/territories.h"
 #include "enfilade/v1/graph_service.grpc.pb.h"
 #include "enfilade/v1/link_point_service.grpc.pb.h"
 #include "enfilade/v1/map_service.grpc.pb.h"
@@ -54,6 +58,7 @@ struct PlottedMap {
   std::string display_name;
   Pose2 T_scene_map;
   grid::Rgb color{};
+  std::vector<Eigen::Vector2d> drives = {};  // where robots drove in it, m, the scene's frame
 };
 
 PoseWithCovariance ToPose(const v1::PoseWithCovariance& pose) {
@@ -100,13 +105,66 @@ absl::Status AddOutline(const client::Connection& connection, const PlottedMap& 
   return absl::OkStatus();
 }
 
-absl::Status AddMap(const client::Connection& connection, const PlottedMap& map, plot::Scene& scene) {
+// Where the map's name stands, and its link points' lines begin: on its drives, near their middle.
+Eigen::Vector2d CentreOf(const PlottedMap& map) {
+  if (map.drives.empty()) return map.T_scene_map.translation();
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : map.drives) mean += p / static_cast<double>(map.drives.size());
+  return *std::min_element(
+      map.drives.begin(), map.drives.end(),
+      [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - mean).norm() < (b - mean).norm(); });
+}
+
+absl::Status AddMap(const client::Connection& connection, const PlottedMap& map,
+                    std::vector<plot::DrivenRaster>& rasters, plot::Scene& scene) {
   ENFILADE_RETURN_IF_ERROR(AddOutline(connection, map, scene));
   ENFILADE_ASSIGN_OR_RETURN(auto grid, FetchGrid(connection, map.name));
-  if (grid) scene.rasters.push_back({*std::move(grid), map.T_scene_map, map.color});
+  if (grid) rasters.push_back({{*std::move(grid), map.T_scene_map, map.color}, map.drives});
   AddAxes(map.T_scene_map, scene);
-  scene.labels.push_back({map.T_scene_map.translation(), map.display_name, map.color});
+  scene.labels.push_back({CentreOf(map), map.display_name, map.color});
   return absl::OkStatus();
+}
+
+// Lines from the map's middle to where it is joined to others.
+void AddJoins(const PlottedMap& map, const std::vector<Eigen::Vector2d>& places, plot::Scene& scene) {
+  const Eigen::Vector2d centre = CentreOf(map);
+  for (const Eigen::Vector2d& place : places) scene.lines.push_back({{centre, place}, map.color, 2});
+  if (!places.empty()) scene.markers.push_back({centre, plot::SceneMarker::Shape::kSquare, map.color});
+}
+
+// By map, in its frame.
+absl::StatusOr<std::map<std::string, std::vector<Eigen::Vector2d>>> ReadDrives(const client::Connection& connection,
+                                                                               const std::string& site) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<client::MappedStretch> stretches,
+                            client::ReadPresentStretches(connection, site));
+  std::map<std::string, std::vector<Eigen::Vector2d>> drives;
+  for (const client::MappedStretch& stretch : stretches) {
+    for (const client::MappedPose& pose : stretch.poses) {
+      drives[stretch.map].push_back(pose.T_map_robot.translation());
+    }
+  }
+  return drives;
+}
+
+// A colour for each map, other ones for maps that are joined, if there are enough.
+std::map<std::string, grid::Rgb> ColorsOf(const v1::Graph& graph) {
+  std::map<std::string, std::set<std::string>> neighbours;
+  for (const v1::GraphLinkPoint& point : graph.link_points()) {
+    for (const std::string& a : point.maps()) neighbours[a].insert(point.maps().begin(), point.maps().end());
+  }
+  std::map<std::string, std::size_t> chosen;
+  for (std::size_t i = 0; const v1::GraphMap& map : graph.maps()) {
+    std::set<std::size_t> taken;
+    for (const std::string& other : neighbours[map.map()]) {
+      if (const auto color = chosen.find(other); color != chosen.end()) taken.insert(color->second);
+    }
+    std::size_t color = i++ % kPalette.size();
+    for (std::size_t k = 0; k < kPalette.size() && taken.contains(color); ++k) color = (color + 1) % kPalette.size();
+    chosen[map.map()] = color;
+  }
+  std::map<std::string, grid::Rgb> colors;
+  for (const auto& [map, color] : chosen) colors[map] = kPalette[color];
+  return colors;
 }
 
 void AddEllipse(const PoseWithCovariance& pose, grid::Rgb color, plot::Scene& scene) {
@@ -127,35 +185,34 @@ void AddPlace(const PoseWithCovariance& place, const std::string& id, int maps, 
 // The whole site in the world frame.
 absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& connection, const Globals& globals,
                                                  const GraphPlotCommandOptions& options, plot::Scene& scene) {
-  ENFILADE_ASSIGN_OR_RETURN(const v1::Graph graph,
-                            client::ReadGraph(connection, SiteNameOf(globals), {.with_edges = true}));
-  std::map<std::string, grid::Rgb> colors;  // of the maps drawn
+  ENFILADE_ASSIGN_OR_RETURN(const v1::Graph graph, client::ReadGraph(connection, SiteNameOf(globals)));
+  ENFILADE_ASSIGN_OR_RETURN(auto drives, ReadDrives(connection, SiteNameOf(globals)));
+  const std::map<std::string, grid::Rgb> colors = ColorsOf(graph);
   std::vector<PlottedMap> maps;
-  for (int i = 0; i < graph.maps_size(); ++i) {
-    const v1::GraphMap& map = graph.maps(i);
+  std::vector<plot::DrivenRaster> rasters;
+  for (const v1::GraphMap& map : graph.maps()) {
     if (!map.has_pose_world_map() || (options.level && map.level() != *options.level)) continue;
     const PoseWithCovariance pose = ToPose(map.pose_world_map());
-    maps.push_back({map.map(), map.display_name(), pose.pose, kPalette[static_cast<std::size_t>(i) % kPalette.size()]});
-    colors[map.map()] = maps.back().color;
-    ENFILADE_RETURN_IF_ERROR(AddMap(connection, maps.back(), scene));
+    maps.push_back({map.map(), map.display_name(), pose.pose, colors.at(map.map()), std::move(drives[map.map()])});
+    for (Eigen::Vector2d& p : maps.back().drives) p = pose.pose * p;
+    ENFILADE_RETURN_IF_ERROR(AddMap(connection, maps.back(), rasters, scene));
     AddEllipse(pose, maps.back().color, scene);
   }
-  std::map<std::string, Eigen::Vector2d> places;
+  std::map<std::string, std::vector<Eigen::Vector2d>> joins;  // by map
+  std::vector<Eigen::Vector2d> doors;
   for (const v1::GraphLinkPoint& point : graph.link_points()) {
-    bool drawn = false;
-    for (const std::string& map : point.maps()) drawn = drawn || colors.count(map) > 0;
+    const bool drawn = std::any_of(maps.begin(), maps.end(), [&](const PlottedMap& map) {
+      return std::find(point.maps().begin(), point.maps().end(), map.name) != point.maps().end();
+    });
     if (!drawn || !point.has_pose_world_place()) continue;
     const PoseWithCovariance place = ToPose(point.pose_world_place());
-    places[point.link_point()] = place.pose.translation();
     AddPlace(place, IdOf(point.link_point()), point.maps_size(), point.joins(), scene);
+    if (!point.joins()) continue;
+    doors.push_back(place.pose.translation());
+    for (const std::string& map : point.maps()) joins[map].push_back(place.pose.translation());
   }
-  for (const v1::GraphEdge& edge : graph.edges()) {
-    const auto a = places.find(edge.link_point_a());
-    const auto b = places.find(edge.link_point_b());
-    const auto color = colors.find(edge.map());
-    if (a == places.end() || b == places.end() || color == colors.end()) continue;
-    scene.lines.push_back({{a->second, b->second}, color->second, 2});
-  }
+  scene.rasters = plot::CutToTerritories(std::move(rasters), doors);
+  for (const PlottedMap& map : maps) AddJoins(map, joins[map.name], scene);
   return maps;
 }
 
@@ -163,27 +220,28 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& conne
 absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const client::Connection& connection, const Globals& globals,
                                                   const GraphPlotCommandOptions& options, plot::Scene& scene) {
   ENFILADE_ASSIGN_OR_RETURN(const v1::Map map, FindMap(connection, globals, options.map));
-  const PlottedMap plotted{map.name(), map.display_name(), {}, kPalette[0]};
-  ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, scene));
+  ENFILADE_ASSIGN_OR_RETURN(auto drives, ReadDrives(connection, SiteNameOf(globals)));
+  const PlottedMap plotted{map.name(), map.display_name(), {}, kPalette[0], std::move(drives[map.name()])};
+  std::vector<plot::DrivenRaster> rasters;
+  ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, rasters, scene));
+  for (plot::DrivenRaster& driven : rasters) scene.rasters.push_back(std::move(driven.raster));
   v1::ListLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));
   request.set_map(map.name());
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<v1::LinkPoint> link_points,
                             client::ListAll(connection, &v1::LinkPointService::Stub::ListLinkPoints, request,
                                             &v1::ListLinkPointsResponse::link_points));
-  std::vector<Eigen::Vector2d> joining;
+  std::vector<Eigen::Vector2d> joins;
   for (const v1::LinkPoint& point : link_points) {
     for (const v1::Anchor& anchor : point.anchors()) {
       if (anchor.map() != map.name()) continue;
       const PoseWithCovariance place = ToPose(anchor.pose_map_place());
-      const bool joins = point.anchors_size() > 1 && point.use() == v1::LinkPoint::USE_USED;
-      AddPlace(place, IdOf(point.name()), point.anchors_size(), joins, scene);
-      if (joins) joining.push_back(place.pose.translation());
+      const bool is_join = point.anchors_size() > 1 && point.use() == v1::LinkPoint::USE_USED;
+      AddPlace(place, IdOf(point.name()), point.anchors_size(), is_join, scene);
+      if (is_join) joins.push_back(place.pose.translation());
     }
   }
-  for (std::size_t i = 0; i < joining.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) scene.lines.push_back({{joining[j], joining[i]}, plotted.color, 2});
-  }
+  AddJoins(plotted, joins, scene);
   return std::vector<PlottedMap>{plotted};
 }
 
@@ -231,10 +289,13 @@ absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& op
                             svg ? plot::WriteSvg(scene, view) : grid::EncodePng(plot::DrawScene(scene, view)));
   ENFILADE_RETURN_IF_ERROR(io::WriteFile(options.output, bytes));
   if (globals.json) {
+    const auto link_points = std::count_if(scene.markers.begin(), scene.markers.end(), [](const auto& marker) {
+      return marker.shape != plot::SceneMarker::Shape::kSquare;
+    });
     PrintJson(std::cout, {{"file", options.output},
                           {"maps", maps.size()},
                           {"grids", scene.rasters.size()},
-                          {"link_points", scene.markers.size() - (options.near.empty() ? 0U : 1U)},
+                          {"link_points", link_points - (options.near.empty() ? 0 : 1)},
                           {"width", view.width},
                           {"height", view.height},
                           {"px_per_m", view.px_per_m}});
@@ -252,7 +313,7 @@ absl::Status PlotGraph(const Globals& globals, const GraphPlotCommandOptions& op
 
 void AddGraphPlot(CLI::App& graph, const Globals& globals) {
   const auto options = std::make_shared<GraphPlotCommandOptions>();
-  CLI::App* plot = AddCommand(graph, "plot", "Draw the maps in the world frame, with link points, candidates and edges",
+  CLI::App* plot = AddCommand(graph, "plot", "Draw the maps in the world frame, with link points and candidates",
                               [&globals, options] { return PlotGraph(globals, *options); });
   plot->add_option("-o,--output", options->output, "The file: .png, or .svg (which has names)")->capture_default_str();
   plot->add_option("--map", options->map, "Only this map, in its own frame");

@@ -111,6 +111,7 @@ TEST_F(GraphCommandsTest, ThePlotOfAMapWithoutFilesIsItsAxes) {
   server_.maps.export_map = [](const v1::ExportMapRequest&, auto&) {
     return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "no revision");
   };
+  server_.sessions.list = [](const v1::ListSessionsRequest&, auto&) { return grpc::Status::OK; };
   const std::string svg = directory_.path() / "g.svg";
   ASSERT_OK(Run({"graph", "plot", "-o", svg}));
   EXPECT_EQ(Printed()["maps"], 1) << "only one map has a pose in the world";

@@ -74,7 +74,8 @@ TEST(DrawElements, MarkersHaveTheirShapes) {
   Scene scene;
   scene.markers = {{{-3, 0}, SceneMarker::Shape::kDot, grid::kRed},
                    {{0, 0}, SceneMarker::Shape::kRing, grid::kGreen},
-                   {{3, 0}, SceneMarker::Shape::kCross, grid::kBlue}};
+                   {{3, 0}, SceneMarker::Shape::kCross, grid::kBlue},
+                   {{0, 3}, SceneMarker::Shape::kSquare, grid::kRed}};
   const grid::RgbImage image = DrawScene(scene, view);
   EXPECT_EQ(ColorAt(image, view, {-3, 0}), grid::kRed);
   EXPECT_EQ(ColorAt(image, view, {0, 0}), kBlank) << "a ring is hollow";
@@ -83,6 +84,7 @@ TEST(DrawElements, MarkersHaveTheirShapes) {
   EXPECT_EQ(ColorAt(image, view, {3.1, 0.1}), grid::kBlue);
   EXPECT_EQ(ColorAt(image, view, {3.1, 0.0}), kBlank);
   EXPECT_EQ(ColorAt(image, view, {-1.5, 0}), kBlank);
+  EXPECT_EQ(ColorAt(image, view, {0.09, 3.09}), grid::kRed) << "a square has corners";
 }
 
 TEST(DrawElements, LinesAndEllipsesFollowTheirPoints) {
