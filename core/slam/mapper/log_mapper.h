@@ -43,6 +43,7 @@ class LogMapper {
   SlamDelta TakeDelta() { return mapper_.TakeDelta(); }
   std::string Checkpoint() const;
   grid::OccupancyGrid RenderGrid() const { return mapper_.RenderGrid(); }
+  grid::OccupancyGrid RenderGrid(MapRenderer& renderer) const { return mapper_.RenderGrid(renderer); }
   std::optional<PresentPose> FindPresentPose() const { return mapper_.FindPresentPose(); }
   double variance_factor() const { return mapper_.variance_factor(); }
   Footprint footprint() const { return mapper_.footprint(); }

@@ -107,17 +107,23 @@ class Mapper::Impl {
     return footprint;
   }
 
-  grid::OccupancyGrid RenderGrid() const {
+  grid::OccupancyGrid RenderGrid() const { return RenderGrid(renderer_); }
+
+  // The last submap is not placed, even if it is finished: a mapper that goes on from an earlier checkpoint adds to it.
+  grid::OccupancyGrid RenderGrid(MapRenderer& renderer) const {
     for (const auto& finished : state_.finished) {
-      if (state_.is_existing_map(finished.first)) continue;
+      if (state_.is_existing_map(finished.first) || finished.first == state_.last_submap()) continue;
       std::optional<SubmapContent> content;
-      renderer_.Place(finished.first, finished.second.T_map_submap, [&]() -> const SubmapGrid& {
-        content = DecodeSubmapContent(finished.second.content, options_.occupancy).value();  // written by this program
+      renderer.Place(finished.first, finished.second.T_map_submap, [&]() -> const SubmapGrid& {
+        content = Decoded(finished.second);
         return content->grid;
       });
     }
-    if (!state_.active) return renderer_.Render(nullptr, {});
-    return renderer_.Render(&state_.active->content.grid, state_.active->T_map_submap);
+    if (state_.active) return renderer.Render(&state_.active->content.grid, state_.active->T_map_submap);
+    const auto last = state_.finished.find(state_.last_submap());
+    if (last == state_.finished.end() || state_.is_existing_map(last->first)) return renderer.Render(nullptr, {});
+    const SubmapContent content = Decoded(last->second);
+    return renderer.Render(&content.grid, last->second.T_map_submap);
   }
 
   double variance_factor() const { return VarianceFactor(state_.errors); }
@@ -125,6 +131,11 @@ class Mapper::Impl {
   std::optional<PresentPose> PoseNow() const { return enfilade::slam::FindPresentPose(state_, options_.quality); }
 
  private:
+  // Written by this program.
+  SubmapContent Decoded(const FinishedSubmap& submap) const {
+    return DecodeSubmapContent(submap.content, options_.occupancy).value();
+  }
+
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
   LocatedScan Begin(const sensor::PairedScan& scan) {
@@ -142,8 +153,7 @@ class Mapper::Impl {
 
   void TieToExistingMap(const PoseWithCovariance& T_map_first) {
     FinishedSubmap& existing = state_.finished.at(0);
-    SubmapContent content =
-        DecodeSubmapContent(existing.content, options_.occupancy).value();  // written by this program
+    SubmapContent content = Decoded(existing);
     const Eigen::Matrix3d information = T_map_first.covariance.inverse();
     content.next = NextSubmap{T_map_first.pose, 0.5 * (information + information.transpose())};
     existing = FinishExistingMap(existing.version + 1, content);
@@ -315,6 +325,7 @@ std::string Mapper::Checkpoint() const { return impl_->Checkpoint(); }
 Footprint Mapper::footprint() const { return impl_->footprint(); }
 double Mapper::variance_factor() const { return impl_->variance_factor(); }
 grid::OccupancyGrid Mapper::RenderGrid() const { return impl_->RenderGrid(); }
+grid::OccupancyGrid Mapper::RenderGrid(MapRenderer& renderer) const { return impl_->RenderGrid(renderer); }
 std::optional<PresentPose> Mapper::FindPresentPose() const { return impl_->PoseNow(); }
 
 }  // namespace enfilade::slam

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/sensor/scan_pairing.h"
+#include "core/slam/mapper/map_renderer.h"
 #include "core/slam/mapper/present_pose.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/slam_options.h"
@@ -78,6 +79,8 @@ class Mapper {
 
   // The map by the current estimate: what the scans have shown, without the existing map.
   grid::OccupancyGrid RenderGrid() const;
+  // The same by a renderer that has drawn earlier states of this map, also those before Restore: faster.
+  grid::OccupancyGrid RenderGrid(MapRenderer& renderer) const;
   // Where the robot was at the last used scan; unset before the first.
   std::optional<PresentPose> FindPresentPose() const;
 

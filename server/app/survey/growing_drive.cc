@@ -7,9 +7,13 @@
 
 #include "core/base/status_macros.h"
 #include "core/slam/mapper/log_mapper.h"
+#include "core/slam/submaps/submap_grid.h"
 
 namespace enfilade::server {
 namespace {
+
+// Bytes. Larger pictures are drawn from the start each time.
+constexpr std::size_t kMostTiles = 64U << 20U;
 
 // Nearly all of a session's keyframes are to be keyframes of the drive, though their distances differ a little there.
 slam::SlamOptions ForKeyframes(slam::SlamOptions slam) {
@@ -63,7 +67,9 @@ absl::StatusOr<MappedDrive> GrowingDrive::Extend(const Feed& feed) {
   mapper.Finish();
   slam::SlamMap finished = stored_;
   finished.Apply(mapper.TakeDelta());
-  MappedDrive mapped{mapper.RenderGrid(), slam::TrajectoryOf(finished), mapper.variance_factor()};
+  if (!renderer_) renderer_.emplace(slam_.resolution, slam::LogOddsOptionsOf(slam_.occupancy));
+  MappedDrive mapped{mapper.RenderGrid(*renderer_), slam::TrajectoryOf(finished), mapper.variance_factor()};
+  if (renderer_->bytes() > kMostTiles) renderer_.reset();
   std::sort(mapped.trajectory.begin(), mapped.trajectory.end(),
             [](const slam::StampedPose& a, const slam::StampedPose& b) { return a.time < b.time; });
   return mapped;
@@ -71,7 +77,8 @@ absl::StatusOr<MappedDrive> GrowingDrive::Extend(const Feed& feed) {
 
 std::size_t GrowingDrive::bytes() const {
   std::size_t bytes = sizeof(*this) + checkpoint_.size() + stored_.nodes.size() * sizeof(slam::SlamNode) +
-                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint) + tail_.size() * sizeof(sensor::Record);
+                      stored_.trajectory.size() * sizeof(slam::TrajectoryPoint) +
+                      tail_.size() * sizeof(sensor::Record) + (renderer_ ? renderer_->bytes() : 0);
   for (const auto& [id, submap] : stored_.submaps) bytes += sizeof(submap) + submap.content.size();
   return bytes;
 }

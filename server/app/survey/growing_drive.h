@@ -12,6 +12,7 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/sensor/record.h"
 #include "core/sensor/scan_pairing.h"
+#include "core/slam/mapper/map_renderer.h"
 #include "core/slam/slam_map.h"
 #include "core/slam/slam_options.h"
 #include "core/slam/state/existing_map.h"
@@ -26,8 +27,8 @@ struct MappedDrive {
 };
 
 // Maps a drive that may go on: what is added later costs hardly more than if it had been there at once, and the map is
-// the same, bit for bit. Between calls of Extend it holds no more than what a server stores of a session. Not
-// thread-safe.
+// the same, bit for bit. Between calls of Extend it holds what a server stores of a session, and its picture in
+// tiles unless they are large. Not thread-safe.
 class GrowingDrive {
  public:
   // Of scans, only keyframes are mapped: those that a session's own mapping has chosen. Of the others the last one
@@ -54,6 +55,7 @@ class GrowingDrive {
   slam::SlamMap stored_;
   // The last scan, if it is no keyframe, and the odometry since: not in the mapper yet.
   std::vector<sensor::Record> tail_;
+  std::optional<slam::MapRenderer> renderer_;  // that has drawn the map before
 };
 
 }  // namespace enfilade::server
