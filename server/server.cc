@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include "core/base/error.h"
@@ -46,6 +47,11 @@ constexpr int kWatchThreads = 2;
 constexpr auto kReadinessTimeout = std::chrono::seconds(3);
 constexpr double kLongestRealignPoll = 60.0;  // s
 constexpr std::chrono::seconds kPlanDoorsPoll{1};
+
+// Slow calls together leave half of the processors to mapping, where there are four or more.
+int ThreadsOfSlowCall() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / (2 * kSlowThreads));
+}
 
 std::chrono::seconds WholeSeconds(double seconds) { return std::chrono::seconds(static_cast<std::int64_t>(seconds)); }
 
@@ -311,7 +317,7 @@ class Server::Impl {
   MapEdits map_edits{map_edit_store, {blobs, revisions}, link_points};
   DraftPresences draft_presences;
   RasterPyramids raster_pyramids{revisions, pyramids, blobs, *metrics};
-  const PriorAlignment prior_alignment{prior_maps, plan_joins, maps, revisions, blobs, graphs};
+  const PriorAlignment prior_alignment{prior_maps, plan_joins, maps, revisions, blobs, graphs, ThreadsOfSlowCall()};
   const PlanLocalization plan_localization{{prior_maps, blobs, sessions, mappings, records},
                                            *slam_profiles.Find(slam::SlamProfiles::kIndoor)};
   SiteLooks site_looks{pose_looks, activity, {.timeout = StepTimeout(options)}};

@@ -11,9 +11,10 @@ constexpr double kStep = 0.2;  // m between samples of the plan's walls
 }  // namespace
 
 Sight SightOf(const MapEvidence& evidence, const Eigen::Vector2d& point) {
-  const double distance = evidence.WallDistanceAt(point);
-  if (distance <= kSeenDistance) return Sight::kSeen;
-  return evidence.GroundAt(point) == Ground::kFree ? Sight::kContradicted : Sight::kUnseen;
+  const std::optional<std::size_t> cell = evidence.CellOf(point);
+  if (!cell) return Sight::kUnseen;
+  if (evidence.wall_distance[*cell] <= kSeenDistance) return Sight::kSeen;
+  return evidence.ground[*cell] == Ground::kFree ? Sight::kContradicted : Sight::kUnseen;
 }
 
 Agreement Compare(const FaceIndex& walls, const MapEvidence& evidence) {

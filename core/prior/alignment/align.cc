@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "core/base/status_macros.h"
 #include "core/prior/alignment/aligner.h"
 
@@ -119,10 +120,10 @@ std::vector<Twin> TwinsOf(const PlanGraph& plan, const MapEvidence& evidence, co
     end = end_of(NeededRatio(ranked.front().transform, options.least_rival_ratio, options));
   const auto count = static_cast<std::size_t>(end - ranked.begin());
   if (count < 2 || count > options.most_twins) return {};
-  std::vector<Twin> twins;
-  for (auto one = ranked.begin(); one != end; ++one) {
-    twins.push_back({*one, options.log_evidence(plan, evidence, one->transform)});
-  }
+  std::vector<Twin> twins(count);
+  ForEachIndex(count, options.threads, [&](std::size_t i) {
+    twins[i] = {ranked[i], options.log_evidence(plan, evidence, ranked[i].transform)};
+  });
   std::stable_sort(twins.begin(), twins.end(), [](const Twin& a, const Twin& b) { return a.evidence > b.evidence; });
   return twins;
 }

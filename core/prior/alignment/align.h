@@ -39,7 +39,7 @@ struct AlignOptions {
   double least_length = 25;  // m of the map's walls that the plan explains
   double mirror_gain = 1.1;  // a mirrored plan must fit so much better than any that is not
   // How likely the map's walls are when the plan is corrected at a place (CorrectedPlan::log_evidence), nats. It
-  // decides between a few places that fit nearly alike; null: none of these is accepted.
+  // decides between a few places that fit nearly alike; null: none of these is accepted. Several threads call it.
   double (*log_evidence)(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& place) = nullptr;
   // How a building may lie over itself: straight, turned by half, and turned over along or across.
   std::size_t most_twins = 4;
@@ -53,6 +53,8 @@ struct AlignOptions {
   double most_left = 0.9;
   // Only places like this one: its size within kKnownScale, its stretch, and mirrored if it is.
   std::optional<PlanTransform> known_shape = std::nullopt;
+  // What is independent is computed on so many threads. The result is the same with any number.
+  int threads = 1;
 };
 
 constexpr double kKnownScale = 0.03;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/prior/alignment/directions.h"
 #include "core/prior/alignment/sheet_search.h"
 
@@ -46,11 +47,13 @@ std::vector<PlanShape> BestShapes(const std::vector<Candidate>& sorted) {
 }
 
 // The best offsets of each shape, the best of all first.
-std::vector<Candidate> FindAll(const SheetSearch& search, const std::vector<PlanShape>& shapes) {
+std::vector<Candidate> FindAll(const SheetSearch& search, const std::vector<PlanShape>& shapes, int threads) {
+  std::vector<std::vector<FoundTransform>> places(shapes.size());
+  ForEachIndex(shapes.size(), threads, [&](std::size_t i) { places[i] = search.Find(shapes[i].linear); });
   std::vector<Candidate> found;
-  for (const PlanShape& shape : shapes) {
-    for (const FoundTransform& place : search.Find(shape.linear)) {
-      found.push_back({.transform = place.T_map_sheet, .model = shape.model, .score = place.score, .agreement = {}});
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (const FoundTransform& place : places[i]) {
+      found.push_back({place.T_map_sheet, shapes[i].model, place.score, {}});
     }
   }
   SortByScore(found);
@@ -87,15 +90,17 @@ std::vector<Candidate> Aligner::Search(Stretch stretch) const {
   const std::vector<PlanShape> shapes =
       options_.known_shape ? TurnsOf(*options_.known_shape, faces_, evidence_, {1 - kKnownScale, 1.0, 1 + kKnownScale})
                            : ShapesToTry(faces_, evidence_, coarse.Scales(), stretch);
-  const std::vector<PlanShape> likely = BestShapes(FindAll(coarse, shapes));
-  return Distinct(FindAll(SheetSearch(faces_, evidence_, kFineCells), likely), 0.03 * search_radius(), kMostCandidates);
+  const std::vector<PlanShape> likely = BestShapes(FindAll(coarse, shapes, options_.threads));
+  return Distinct(FindAll(SheetSearch(faces_, evidence_, kFineCells), likely, options_.threads), 0.03 * search_radius(),
+                  kMostCandidates);
 }
 
 std::vector<Candidate> Aligner::Finalists(Stretch stretch) const {
   std::vector<Candidate> candidates = Search(stretch);
   RefineAll(candidates, kQuickly);
   candidates = Distinct(candidates, kSamePlace, kMostFinalists);
-  for (Candidate& candidate : candidates) candidate = BestModel(candidate, 1.5);
+  ForEachIndex(candidates.size(), options_.threads,
+               [&](std::size_t i) { candidates[i] = BestModel(candidates[i], 1.5); });
   return candidates;
 }
 
@@ -108,10 +113,10 @@ std::vector<Candidate> Aligner::Twins(const Candidate& candidate) const {
     if (options_.known_shape && signs.prod() < 0) continue;  // which is known to be mirrored or not
     shapes.push_back({candidate.transform.linear * axes * signs.asDiagonal() * axes.transpose(), candidate.model});
   }
-  std::vector<Candidate> twins = FindAll(SheetSearch(faces_, evidence_, kFineCells), shapes);
+  std::vector<Candidate> twins = FindAll(SheetSearch(faces_, evidence_, kFineCells), shapes, options_.threads);
   RefineAll(twins, kQuickly);
   twins = Distinct(twins, kSamePlace, kMostTwins);
-  for (Candidate& twin : twins) twin = BestModel(twin, 1.5);
+  ForEachIndex(twins.size(), options_.threads, [&](std::size_t i) { twins[i] = BestModel(twins[i], 1.5); });
   return twins;
 }
 
@@ -128,10 +133,10 @@ std::vector<Candidate> Aligner::Ranked(std::vector<Candidate> candidates) const 
 }
 
 void Aligner::RefineAll(std::vector<Candidate>& candidates, const RefineOptions& options) const {
-  for (Candidate& candidate : candidates) {
-    candidate.transform = Refine(faces_, evidence_, candidate.transform, options);
-    Judge(candidate);
-  }
+  ForEachIndex(candidates.size(), options_.threads, [&](std::size_t i) {
+    candidates[i].transform = Refine(faces_, evidence_, candidates[i].transform, options);
+    Judge(candidates[i]);
+  });
   SortByScore(candidates);
 }
 

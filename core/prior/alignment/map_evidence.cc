@@ -181,7 +181,7 @@ Eigen::Vector2d OpenSideOf(const WallPoint& wall, const MapEvidence& evidence) {
 }  // namespace
 
 std::optional<std::size_t> MapEvidence::CellOf(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d cell = (Inverse(geometry.T_map_grid) * point) / geometry.resolution;
+  const Eigen::Vector2d cell = (T_grid_map * point) / geometry.resolution;
   const int column = static_cast<int>(std::floor(cell.x()));
   const int row = static_cast<int>(std::floor(cell.y()));
   if (!geometry.contains(column, row)) return std::nullopt;
@@ -201,6 +201,8 @@ double MapEvidence::WallDistanceAt(const Eigen::Vector2d& point) const {
 MapEvidence EvidenceOf(const grid::OccupancyGrid& grid) {
   MapEvidence evidence;
   evidence.geometry = grid.geometry;
+  const Pose2 T_grid_map = Inverse(grid.geometry.T_map_grid);
+  evidence.T_grid_map = Eigen::Translation2d(T_grid_map.translation()) * Eigen::Rotation2Dd(T_grid_map.yaw);
   evidence.ground = ClassesOf(grid);
   evidence.wall_distance = DistancesToWalls(evidence.ground, grid.geometry);
   const bool beside_free = HasUnknown(evidence.ground);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,6 +31,7 @@ struct MapEvidence {
   std::vector<WallPoint> walls;  // about `spacing` apart, in the order of the grid's cells
   double spacing = 0.1;          // m
   grid::GridGeometry geometry;   // of `ground`
+  Eigen::Isometry2d T_grid_map = Eigen::Isometry2d::Identity();  // the inverse of geometry.T_map_grid
   std::vector<Ground> ground;
   std::vector<float> wall_distance;  // m, to the nearest wall's cell, of each cell; at most kMostDistance
 

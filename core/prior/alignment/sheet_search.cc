@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <limits>
 
 #include "core/grid/distance_field.h"
@@ -15,7 +17,7 @@ constexpr double kSigma = 1.2;        // cells: how far a wall may be displaced
 constexpr double kLargestMap = 1.25;  // of the sheet's walls, by their diameters: plans are wrong
 constexpr double kSmallestMap = 0.2;
 constexpr double kScaleStep = 1.05;
-constexpr int kPeaks = 6;              // of one turn and scale
+constexpr std::size_t kPeaks = 6;      // of one turn and scale
 constexpr int kApart = 3;              // cells between two of them
 constexpr double kFreeMargin = 0.3;    // m from the map's walls
 constexpr double kFreeSpacing = 0.25;  // m
@@ -39,6 +41,56 @@ Eigen::Vector2d MiddleOf(const std::vector<WallPoint>& walls) {
     max = max.cwiseMax(wall.point);
   }
   return 0.5 * (min + max);
+}
+
+struct Peak {
+  int column;
+  int row;
+  float score;
+};
+
+bool IsWorse(const Peak& a, const Peak& b) {
+  if (a.score != b.score) return a.score < b.score;
+  return a.row != b.row ? a.row > b.row : a.column > b.column;
+}
+
+// Places with a positive score that no neighbour exceeds. The image goes on at the opposite side.
+std::vector<Peak> AllPeaks(const std::vector<float>& scores, int width, int height) {
+  const auto row_at = [&](int row) { return scores.data() + static_cast<std::ptrdiff_t>(row) * width; };
+  std::vector<Peak> peaks;
+  for (int row = 0; row < height; ++row) {
+    const float* const here = row_at(row);
+    const float* const rows[] = {row_at(row == 0 ? height - 1 : row - 1), here,
+                                 row_at(row + 1 == height ? 0 : row + 1)};
+    for (int column = 0; column < width; ++column) {
+      const float score = here[column];
+      if (!(score > 0)) continue;
+      const int left = column == 0 ? width - 1 : column - 1;
+      const int right = column + 1 == width ? 0 : column + 1;
+      const bool is_peak = std::all_of(std::begin(rows), std::end(rows), [&](const float* beside) {
+        return score >= beside[left] && score >= beside[column] && score >= beside[right];
+      });
+      if (is_peak) peaks.push_back({column, row, score});
+    }
+  }
+  return peaks;
+}
+
+// The best kPeaks, the best first.
+std::vector<Peak> BestPeaks(const std::vector<float>& scores, int width, int height) {
+  std::vector<Peak> heap = AllPeaks(scores, width, height);
+  std::make_heap(heap.begin(), heap.end(), IsWorse);
+  std::vector<Peak> best;
+  while (!heap.empty() && best.size() < kPeaks) {
+    std::pop_heap(heap.begin(), heap.end(), IsWorse);
+    const Peak next = heap.back();
+    heap.pop_back();
+    const bool is_new = std::none_of(best.begin(), best.end(), [&](const Peak& other) {
+      return std::hypot(other.column - next.column, other.row - next.row) < kApart;
+    });
+    if (is_new) best.push_back(next);
+  }
+  return best;
 }
 
 }  // namespace
@@ -114,11 +166,14 @@ std::vector<FoundTransform> SheetSearch::Find(const Eigen::Matrix2d& linear) con
   ComplexImage image(nearness_.width, nearness_.height);
   const double scale = std::sqrt(std::abs(linear.determinant()));
   const double cell_area = cell_ * cell_ * scale * scale;
-  const auto wrap = [](int value, int size) { return ((value % size) + size) % size; };
+  const auto wrap = [](double value, int size) {
+    int at = static_cast<int>(value);
+    if (value < at) --at;  // std::floor, which is slow here
+    return at >= 0 && at < size ? at : ((at % size) + size) % size;
+  };
   const auto index_of = [&](const Eigen::Vector2d& point) {
     const Eigen::Vector2d at = to_cells * (point - map_centre_);
-    return image.index(wrap(static_cast<int>(std::floor(at.x() + 0.5)), image.width),
-                       wrap(static_cast<int>(std::floor(at.y() + 0.5)), image.height));
+    return image.index(wrap(at.x() + 0.5, image.width), wrap(at.y() + 0.5, image.height));
   };
   double weight = 0;
   for (const WallPoint& wall : points_) {
@@ -137,10 +192,10 @@ std::vector<FoundTransform> SheetSearch::Find(const Eigen::Matrix2d& linear) con
   const auto to_share = static_cast<float>(1.0 / weight);
   ComplexImage product(image.width, image.height);
   for (int row = 0; row < image.height; ++row) {
+    const int minus_row = row == 0 ? 0 : image.height - row;
     for (int column = 0; column < image.width; ++column) {
       const std::size_t k = image.index(column, row);
-      const std::size_t minus_k =
-          image.index((image.width - column) % image.width, (image.height - row) % image.height);
+      const std::size_t minus_k = image.index(column == 0 ? 0 : image.width - column, minus_row);
       const std::complex<float> z = image.values[k];
       const std::complex<float> w = std::conj(image.values[minus_k]);
       const std::complex<float> walls = 0.5F * (z + w);
@@ -151,39 +206,17 @@ std::vector<FoundTransform> SheetSearch::Find(const Eigen::Matrix2d& linear) con
   }
   TransformBack(product);
 
-  const auto score_at = [&](std::size_t i) {
-    return product.values[i].real() - std::min(1.0F, product.values[i].imag());
-  };
-  std::vector<std::size_t> order;
-  for (int row = 0; row < product.height; ++row) {
-    for (int column = 0; column < product.width; ++column) {
-      const float score = score_at(product.index(column, row));
-      bool is_peak = score > 0;
-      for (int dy = -1; dy <= 1 && is_peak; ++dy) {
-        for (int dx = -1; dx <= 1 && is_peak; ++dx) {
-          is_peak = score >= score_at(product.index(wrap(column + dx, product.width), wrap(row + dy, product.height)));
-        }
-      }
-      if (is_peak) order.push_back(product.index(column, row));
-    }
-  }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return score_at(a) > score_at(b); });
+  std::vector<float> scores;
+  scores.reserve(product.values.size());
+  for (const std::complex<float>& value : product.values) scores.push_back(value.real() - std::min(1.0F, value.imag()));
   std::vector<FoundTransform> found;
-  std::vector<Eigen::Vector2d> taken;
-  for (const std::size_t i : order) {
-    if (found.size() == kPeaks) break;
-    const Eigen::Vector2d at(static_cast<double>(i % static_cast<std::size_t>(product.width)),
-                             static_cast<double>(i / static_cast<std::size_t>(product.width)));
-    if (std::any_of(taken.begin(), taken.end(),
-                    [&](const Eigen::Vector2d& other) { return (other - at).norm() < kApart; }))
-      continue;
-    taken.push_back(at);
+  for (const Peak& peak : BestPeaks(scores, product.width, product.height)) {
     // The map's centre lies in this cell. Offsets beyond half of the image are negative.
-    Eigen::Vector2d centre = at;
+    Eigen::Vector2d centre(peak.column, peak.row);
     if (centre.x() > product.width - 0.5 * (product.width - size_.x() / cell_)) centre.x() -= product.width;
     if (centre.y() > product.height - 0.5 * (product.height - size_.y() / cell_)) centre.y() -= product.height;
     const Eigen::Vector2d sheet = min_ + cell_ * (centre.array() + 0.5).matrix();
-    found.push_back({{linear, map_centre_ - linear * sheet}, score_at(i)});
+    found.push_back({{linear, map_centre_ - linear * sheet}, peak.score});
   }
   return found;
 }

@@ -19,16 +19,43 @@ int BucketOf(double bucket) {
   return static_cast<int>(std::max(bucket, -1.0));
 }
 
-struct Foot {
-  double fraction;
-  Eigen::Vector2d point;
+// What a strip of the plane has in common with something, from left to right; empty: low > high.
+struct Span {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void Add(double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
 };
 
-Foot FootOn(const WallFace& face, const Eigen::Vector2d& point) {
+// Of the places within `reach` of a face, those between two heights. They are bounded by arcs about both ends and by
+// two lines beside the face.
+Span SpanOf(const WallFace& face, double reach, double bottom, double top) {
+  Span span;
+  for (const Eigen::Vector2d& end : {face.from, face.to}) {
+    const double away = std::max({bottom - end.y(), end.y() - top, 0.0});
+    if (!(away <= reach)) continue;
+    const double half = std::sqrt(reach * reach - away * away);
+    span.Add(end.x() - half);
+    span.Add(end.x() + half);
+  }
   const Eigen::Vector2d way = face.to - face.from;
-  const double squared = way.squaredNorm();
-  const double fraction = squared > 0 ? std::clamp((point - face.from).dot(way) / squared, 0.0, 1.0) : 0.0;
-  return {fraction, face.from + fraction * way};
+  const double length = std::hypot(way.x(), way.y());
+  if (!(length > 0)) return span;
+  const Eigen::Vector2d aside = reach / length * Eigen::Vector2d(-way.y(), way.x());
+  for (const Eigen::Vector2d& from : {Eigen::Vector2d(face.from + aside), Eigen::Vector2d(face.from - aside)}) {
+    const auto [low, high] = std::minmax({from.y(), from.y() + way.y()});
+    if (high < bottom || low > top) continue;
+    for (const double y : {from.y(), from.y() + way.y()}) {
+      const double fraction =
+          way.y() != 0 ? std::clamp((std::clamp(y, bottom, top) - from.y()) / way.y(), 0.0, 1.0) : 0;
+      span.Add(from.x() + fraction * way.x());
+    }
+    if (way.y() == 0) span.Add(from.x() + way.x());
+  }
+  return span;
 }
 
 }  // namespace
@@ -62,38 +89,48 @@ FaceIndex::FaceIndex(std::vector<WallFace> faces, double reach)
   if (faces_.empty()) return;
   Eigen::Vector2d max = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
   min_ = -max;
+  lines_.reserve(faces_.size());
   for (const WallFace& face : faces_) {
     min_ = min_.cwiseMin(face.from).cwiseMin(face.to);
     max = max.cwiseMax(face.from).cwiseMax(face.to);
+    const Eigen::Vector2d way = face.to - face.from;
+    lines_.push_back({face.from, way, way.squaredNorm(), way.normalized(), face.outward});
   }
   min_.array() -= reach;
   max.array() += reach;
   columns_ = std::min(kMostBuckets, BucketOf((max.x() - min_.x()) / bucket_) + 1);
   rows_ = std::min(kMostBuckets, BucketOf((max.y() - min_.y()) / bucket_) + 1);
 
-  // Twice: first the sizes of the buckets, then what is in them.
-  const auto for_each_bucket = [&](const auto& act) {
-    const double farthest = reach + bucket_ * M_SQRT1_2;
-    for (int i = 0; i < static_cast<int>(faces_.size()); ++i) {
-      const WallFace& face = faces_[i];
-      const Eigen::Vector2d low = ((face.from.cwiseMin(face.to) - min_).array() - reach) / bucket_;
-      const Eigen::Vector2d high = ((face.from.cwiseMax(face.to) - min_).array() + reach) / bucket_;
-      const int right = std::min(columns_ - 1, BucketOf(high.x()));
-      const int top = std::min(rows_ - 1, BucketOf(high.y()));
-      for (int row = std::max(0, BucketOf(low.y())); row <= top; ++row) {
-        for (int column = std::max(0, BucketOf(low.x())); column <= right; ++column) {
-          const Eigen::Vector2d centre = min_ + bucket_ * Eigen::Vector2d(column + 0.5, row + 0.5);
-          if ((FootOn(face, centre).point - centre).norm() <= farthest) act(row * columns_ + column, i);
-        }
-      }
-    }
+  // The buckets of one row that a face is in. What is rounded must not lose it.
+  struct Run {
+    int face;
+    int first;
+    int count;
   };
+  std::vector<Run> runs;
+  const double margin = 1e-3 * bucket_;
+  for (int i = 0; i < static_cast<int>(faces_.size()); ++i) {
+    const WallFace& face = faces_[i];
+    const auto [low, high] = std::minmax({face.from.y(), face.to.y()});
+    const int top = std::min(rows_ - 1, BucketOf((high - min_.y() + reach + margin) / bucket_));
+    for (int row = std::max(0, BucketOf((low - min_.y() - reach - margin) / bucket_)); row <= top; ++row) {
+      const double bottom = min_.y() + row * bucket_;
+      const Span span = SpanOf(face, reach + margin, bottom - margin, bottom + bucket_ + margin);
+      const int left = std::max(0, BucketOf((span.low - min_.x()) / bucket_));
+      const int right = std::min(columns_ - 1, BucketOf((span.high - min_.x()) / bucket_));
+      if (left <= right) runs.push_back({i, row * columns_ + left, right - left + 1});
+    }
+  }
   first_.assign(static_cast<size_t>(columns_) * rows_ + 1, 0);
-  for_each_bucket([&](int bucket, int) { ++first_[bucket + 1]; });
+  for (const Run& run : runs) {
+    for (int k = 0; k < run.count; ++k) ++first_[run.first + k + 1];
+  }
   for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   members_.resize(first_.back());
   std::vector<int> next(first_.begin(), first_.end() - 1);
-  for_each_bucket([&](int bucket, int face) { members_[next[bucket]++] = face; });
+  for (const Run& run : runs) {
+    for (int k = 0; k < run.count; ++k) members_[next[run.first + k]++] = run.face;
+  }
 }
 
 std::optional<NearestFace> FaceIndex::Nearest(const Eigen::Vector2d& point, const Eigen::Vector2d& along,
@@ -104,19 +141,24 @@ std::optional<NearestFace> FaceIndex::Nearest(const Eigen::Vector2d& point, cons
   const int bucket = static_cast<int>(offset.y()) * columns_ + static_cast<int>(offset.x());
   const bool directed = along.squaredNorm() > 0;
   const double least_cosine = std::cos(max_angle);
+  constexpr double kRounding = 1 + 1e-12;  // of squares: which of two faces is nearer the distances themselves tell
   std::optional<NearestFace> nearest;
   double best = reach_;
+  double best_squared = kRounding * best * best;
   for (int i = first_[bucket]; i < first_[bucket + 1]; ++i) {
-    const WallFace& face = faces_[members_[i]];
-    if (face.outward.dot(open) < 0) continue;
-    const Foot foot = FootOn(face, point);
-    const double distance = (foot.point - point).norm();
+    const Line& line = lines_[members_[i]];
+    if (line.outward.dot(open) < 0) continue;
+    const double fraction =
+        line.squared_length > 0 ? std::clamp((point - line.from).dot(line.way) / line.squared_length, 0.0, 1.0) : 0.0;
+    const Eigen::Vector2d foot = line.from + fraction * line.way;
+    const double squared = (foot - point).squaredNorm();
+    if (squared > best_squared) continue;
+    const double distance = std::sqrt(squared);
     if (distance >= best) continue;
-    const Eigen::Vector2d direction = (face.to - face.from).normalized();
-    if (directed && std::abs(direction.dot(along)) < least_cosine) continue;
+    if (directed && std::abs(line.along.dot(along)) < least_cosine) continue;
     best = distance;
-    nearest = {
-        .face = members_[i], .fraction = foot.fraction, .point = foot.point, .distance = distance, .along = direction};
+    best_squared = kRounding * best * best;
+    nearest = {.face = members_[i], .fraction = fraction, .point = foot, .distance = distance, .along = line.along};
   }
   return nearest;
 }

@@ -44,7 +44,17 @@ class FaceIndex {
   const std::vector<WallFace>& faces() const { return faces_; }
 
  private:
+  // A face as Nearest needs it.
+  struct Line {
+    Eigen::Vector2d from;
+    Eigen::Vector2d way;
+    double squared_length;
+    Eigen::Vector2d along;  // unit
+    Eigen::Vector2d outward;
+  };
+
   std::vector<WallFace> faces_;
+  std::vector<Line> lines_;
   double reach_;
   double bucket_;  // m, the side of one
   Eigen::Vector2d min_ = Eigen::Vector2d::Zero();

@@ -72,30 +72,32 @@ CorrectedPlan::CorrectedPlan(const PlanGraph& plan, const MapEvidence& evidence,
 
 void CorrectedPlan::Correct(Correction correction) {
   bool first = true;
+  std::vector<PlanOffset> offsets;
+  std::vector<double> weights;
   for (const double gate : kGates) {
-    std::vector<PlanOffset> offsets = Associate(*field_, gate);
-    if (offsets.empty()) break;
+    std::vector<PlanOffset> next = Associate(*field_, gate);
+    if (next.empty()) break;
+    offsets = std::move(next);
+    weights.clear();
     std::vector<int> walls;
     std::map<std::array<int, 2>, int> known;
     for (const PlanOffset& offset : offsets) {
       walls.push_back(known.try_emplace(offset.place.corners, static_cast<int>(known.size())).first->second);
     }
-    std::vector<double> weights;
     for (int i = 0; i < kReweightings; ++i) {
       if (!first && i == 1 && correction == Correction::kField) model_ = LikeliestModel(offsets, weights);
       field_ = FieldOf(correction, offsets, weights);
       if (i + 1 < kReweightings) weights = WeightsOf(*field_, walls);
     }
     first = false;
-    if (correction == Correction::kField) log_evidence_ = EvidenceOfOffsets(offsets, weights);
   }
+  if (correction == Correction::kField && !offsets.empty()) log_evidence_ = EvidenceOfOffsets(offsets, weights);
 }
 
 // Walls that are not the plan's lie anywhere within the widest gate.
 double CorrectedPlan::EvidenceOfOffsets(const std::vector<PlanOffset>& offsets,
                                         const std::vector<double>& weights) const {
-  const double by_chance = -std::log(2 * kGates[0]) * static_cast<double>(offsets.size());
-  return DisplacementField(model_, offsets, weights).log_likelihood() - by_chance;
+  return DisplacementField(model_, offsets, weights).LogOddsToChance(-std::log(2 * kGates[0]));
 }
 
 std::unique_ptr<const PlanDisplacement> CorrectedPlan::FieldOf(Correction correction,

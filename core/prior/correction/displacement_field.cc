@@ -117,6 +117,34 @@ std::vector<double> DisplacementField::SurpriseOf(const std::vector<int>& groups
   return surprise;
 }
 
+double DisplacementField::LogOddsToChance(double log_chance) const {
+  // What the others predict of offset i follows from the inverse covariance (Rasmussen and Williams, equations 5.10 to
+  // 5.12). It is kept for those that are left; of the others, rows and columns become zero.
+  const Eigen::Index size = solved_.size();
+  Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(size, size));
+  Eigen::VectorXd solved = solved_;
+  std::vector<bool> is_left(static_cast<std::size_t>(size), true);
+  double log_odds = log_likelihood_ - log_chance * static_cast<double>(size);
+  for (;;) {
+    Eigen::Index worst = -1;
+    double lowest = 0;
+    for (Eigen::Index i = 0; i < size; ++i) {
+      if (!is_left[static_cast<std::size_t>(i)]) continue;
+      const double precision = inverse(i, i);
+      const double predicted = 0.5 * (std::log(precision / (2 * M_PI)) - solved(i) * solved(i) / precision);
+      if (predicted - log_chance >= lowest) continue;
+      lowest = predicted - log_chance;
+      worst = i;
+    }
+    if (worst < 0) return log_odds;
+    log_odds -= lowest;
+    is_left[static_cast<std::size_t>(worst)] = false;
+    const Eigen::VectorXd column = inverse.col(worst) / inverse(worst, worst);
+    solved -= solved(worst) * column;
+    inverse -= column * inverse.row(worst).eval();
+  }
+}
+
 FieldModel LikeliestModel(const std::vector<PlanOffset>& offsets, const std::vector<double>& weights) {
   const std::size_t stride = offsets.size() / kMostForModel + 1;
   std::vector<PlanOffset> some;

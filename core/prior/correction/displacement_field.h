@@ -34,6 +34,10 @@ class DisplacementField : public PlanDisplacement {
   std::vector<double> SurpriseOf(const std::vector<int>& groups) const override;
   // ln p(offsets): how well the model explains them (Rasmussen and Williams, equation 2.30).
   double log_likelihood() const { return log_likelihood_; }
+  // By how much the model explains the offsets better than chance, which gives each the density exp(`log_chance`). An
+  // offset that chance explains better than the model does by the others belongs to no wall of the plan and counts
+  // nothing: they are left out one by one, the worst first.
+  double LogOddsToChance(double log_chance) const;
 
  private:
   double Covariance(const PlanOffset& a, const PlanOffset& b) const;

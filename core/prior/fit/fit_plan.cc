@@ -23,9 +23,10 @@ constexpr std::pair<FitMode, std::string_view> kNames[] = {{FitMode::kFull, "ful
                                                            {FitMode::kSimilarity, "similarity"},
                                                            {FitMode::kAffine, "affine"}};
 
-AlignOptions AlignOptionsOf(FitMode mode) {
+AlignOptions AlignOptionsOf(FitMode mode, int threads) {
   AlignOptions options;
   options.log_evidence = &LogEvidenceOf;
+  options.threads = threads;
   // ACG places a plan by a similarity.
   if (mode == FitMode::kSimilarity || mode == FitMode::kAcg) options.widest_model = TransformModel::kSimilarity;
   if (mode == FitMode::kAffine) options.most_left = 1;  // whatever fits no worse
@@ -63,7 +64,7 @@ std::string ObjectionToCorrected(const CorrectedPlan& corrected, const MapEviden
 class PlanFitter {
  public:
   PlanFitter(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps, const FitOptions& options)
-      : plan_(plan), maps_(maps), options_(options), aligning_(AlignOptionsOf(options.mode)) {}
+      : plan_(plan), maps_(maps), options_(options), aligning_(AlignOptionsOf(options.mode, options.threads)) {}
 
   absl::StatusOr<PlanFit> Run() {
     if (maps_.empty()) return InvalidArgument("fitting a plan: no map");

@@ -32,6 +32,7 @@ struct FitOptions {
   std::vector<ControlPair> pairs = {};
   // Where it lies in the first map, to about a metre: it is looked for there only (AlignFrom). Not with pairs.
   std::optional<PlanTransform> start = std::nullopt;
+  int threads = 1;  // AlignOptions::threads
 };
 
 // What became of one map.

@@ -215,6 +215,7 @@ absl::StatusOr<AlignedPriorMap> PriorAlignment::Fit(const storage::CallContext& 
                                                     const Placement& placement) const {
   ENFILADE_ASSIGN_OR_RETURN(const prior::PlanGraph plan, ReadStoredPlan(context, prior_maps_, blobs_, prior_map));
   prior::FitOptions options = placement.options;
+  options.threads = threads_;
   for (prior::ControlPair& pair : options.pairs) pair.point_sheet = prior::ToSheet(plan, pair.point_sheet);
   AlignedPriorMap aligned;
   std::vector<prior::ControlPair> pairs = options.pairs;  // in the world

@@ -25,18 +25,20 @@ struct AlignedPriorMap {
 
 // Finds plans in the maps of their level, as they lie in the world by the graph, without what plans have done to it,
 // and in those that no link points join to the root map, each by itself. If none of the level is joined to it, the
-// shafts of the plan say where the level lies (level_apart.h). Thread-safe; each call computes for seconds.
+// shafts of the plan say where the level lies (level_apart.h). Thread-safe; each call computes for seconds, on up to
+// `threads` threads.
 class PriorAlignment {
  public:
   PriorAlignment(const storage::PriorMapStore& prior_maps, const storage::PlanJoinStore& plan_joins,
                  const storage::MapReader& maps, const storage::RevisionStore& revisions,
-                 const storage::BlobStore& blobs, SiteGraphs& graphs)
+                 const storage::BlobStore& blobs, SiteGraphs& graphs, int threads = 1)
       : prior_maps_(prior_maps),
         plan_joins_(plan_joins),
         maps_(maps),
         revisions_(revisions),
         blobs_(blobs),
-        graphs_(graphs) {}
+        graphs_(graphs),
+        threads_(threads) {}
 
   // Nothing is stored. `from_last`: it is looked for only where its last alignment has placed it, which must exist;
   // without pairs. INVALID_ARGUMENT: pairs that determine nothing, or in a map that is not among those of the level;
@@ -72,6 +74,7 @@ class PriorAlignment {
   const storage::RevisionStore& revisions_;
   const storage::BlobStore& blobs_;
   SiteGraphs& graphs_;
+  const int threads_;
 };
 
 }  // namespace enfilade::server

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kMostThreads = 64;
+
+int DefaultThreads() { return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMostThreads); }
+
 struct PriorFitOptions {
   PlanOptions plan;
   std::vector<std::string> inputs;
@@ -45,6 +51,7 @@ struct PriorFitOptions {
   bool correct_map = false;
   std::string trajectory;
   std::optional<double> resolution;
+  int threads = DefaultThreads();
   sources::LogOptions reading;
 };
 
@@ -101,6 +108,7 @@ absl::StatusOr<prior::PlanFit> FitInputs(const PriorFitOptions& options, const p
 absl::StatusOr<prior::FitOptions> ToFitOptions(const PriorFitOptions& options) {
   prior::FitOptions fit;
   fit.mode = prior::FitModeFrom(options.mode).value();  // the command line has checked it
+  fit.threads = options.threads;
   if (!options.pairs.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(fit.pairs, ReadPairs(options.pairs));
   }
@@ -244,6 +252,10 @@ void AddPriorFit(CLI::App& prior, const Globals& globals) {
       ->add_option("--trajectory", options->trajectory,
                    "With --correct-map: write where the robot was at each scan, lines of `t x y yaw`")
       ->needs(correct);
+  command
+      ->add_option("--threads", options->threads,
+                   "Look for the place on so many processors (default: all). The result is the same")
+      ->check(CLI::Range(1, kMostThreads));
   AddLogOptions(*command, options->reading);
   AddNoOdometry(*command, options->reading);
   command->footer(

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <random>
 #include <utility>
 
 #include "core/prior/correction/correct_plan.h"
@@ -56,6 +57,27 @@ TEST_P(AlignByItself, FindsThePlanInTheMap) {
 
 INSTANTIATE_TEST_SUITE_P(Turns, AlignByItself,
                          testing::Values(Case{0.3, 0.05, false}, Case{2.0, 0.04, false}, Case{-1.1, 0.06, true}));
+
+// Of a similarity, and of a plan that only the stretched search finds.
+TEST(AlignByItselfTest, TheResultDoesNotDependOnTheNumberOfThreads) {
+  for (const double stretch : {1.0, 1.25}) {
+    const PlanGraph plan = DrawnBuilding();
+    PlanTransform truth = Turned(0.3, 0.05, false);
+    truth.linear.col(0) *= stretch;
+    const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, IsLeft));
+    AlignOptions options;
+    options.log_evidence = &LogEvidenceOf;
+    const Alignment one = prior::AlignByItself(plan, evidence, options);
+    options.threads = 4;
+    const Alignment four = prior::AlignByItself(plan, evidence, options);
+    EXPECT_EQ(one.accepted, four.accepted);
+    EXPECT_EQ(one.reason, four.reason);
+    EXPECT_EQ(one.T_map_sheet.linear, four.T_map_sheet.linear);
+    EXPECT_EQ(one.T_map_sheet.offset, four.T_map_sheet.offset);
+    EXPECT_EQ(one.rival_ratio, four.rival_ratio);
+    EXPECT_EQ(one.agreement.explained, four.agreement.explained);
+  }
+}
 
 // Of a sheet on which the building is turned by `turn`.
 PlanTransform Stretched(double turn, double ratio) {
@@ -250,6 +272,34 @@ TEST(FitPairsTest, PairsThatMakeAPlanLargerThanAnyBuildingAreRefused) {
     EXPECT_EQ(fit.status().code(), absl::StatusCode::kInvalidArgument) << far;
   }
   EXPECT_TRUE(FitPairs({{{0, 0}, {0, 0}}, {{1000, 0}, {1000, 0}}}, 1000).ok());
+}
+
+TEST(FaceIndexTest, FindsTheFaceThatIsNearest) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(0, 30);
+  for (const double reach : {0.5, 3.0, 7.5}) {
+    std::vector<WallFace> faces;
+    for (int i = 0; i < 60; ++i) {
+      const Eigen::Vector2d from(place(random), place(random));
+      // Some along the axes, some of no length, some sloping.
+      const Eigen::Vector2d to(i % 3 == 0 ? from.x() : place(random), i % 4 == 0 ? from.y() : place(random));
+      faces.push_back({from, to, i, Eigen::Vector2d::Zero()});
+    }
+    const FaceIndex index(faces, reach);
+    for (int n = 0; n < 2000; ++n) {
+      const Eigen::Vector2d point(1.2 * place(random) - 3, 1.2 * place(random) - 3);
+      double nearest = reach;
+      for (const WallFace& face : faces) {
+        const Eigen::Vector2d way = face.to - face.from;
+        const double fraction =
+            way.squaredNorm() > 0 ? std::clamp((point - face.from).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
+        nearest = std::min(nearest, (face.from + fraction * way - point).norm());
+      }
+      const auto found = index.Nearest(point, Eigen::Vector2d::Zero(), 0);
+      ASSERT_EQ(found.has_value(), nearest < reach) << point.transpose();
+      ASSERT_NEAR(found ? found->distance : nearest, nearest, 1e-12) << point.transpose();
+    }
+  }
 }
 
 TEST(FaceIndexTest, HoldsWallsWhereverTheyAre) {

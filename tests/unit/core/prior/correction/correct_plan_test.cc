@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
+#include "core/prior/correction/displacement_field.h"
 #include "tests/support/plans/drawn_building.h"
 
 namespace enfilade::prior {
@@ -51,6 +53,23 @@ TEST(LogEvidenceTest, IsLowerWhereThePlanDoesNotLie) {
   const MapEvidence evidence = AllOf(building);
   const PlanTransform turned_over{Eigen::Vector2d(-kMetresPerUnit, -kMetresPerUnit).asDiagonal(), {3.5 + 44, -7.25}};
   EXPECT_GT(LogEvidenceOf(building, evidence, kWherePlanLies), LogEvidenceOf(building, evidence, turned_over) + 100);
+}
+
+PlanOffset OffsetAt(double x, double offset) {
+  return {.place = {.point = {x, 0}}, .normal = {0, 1}, .offset = offset, .sigma = 0.05};
+}
+
+TEST(LogOddsToChanceTest, AnOffsetThatChanceExplainsBetterCountsNothing) {
+  const double log_chance = -std::log(2.4);
+  std::vector<PlanOffset> offsets;
+  for (int i = -5; i <= 5; ++i) offsets.push_back(OffsetAt(i, 0.01 * (i % 3)));
+  const double without = DisplacementField({}, offsets, {}).LogOddsToChance(log_chance);
+  EXPECT_NEAR(without, DisplacementField({}, offsets, {}).log_likelihood() - 11 * log_chance, 1e-9);  // all count
+  // In the middle of the others, so that the distortion of the whole is about the same point.
+  offsets.push_back(OffsetAt(0, 0.3));
+  offsets.push_back(OffsetAt(0, -0.4));
+  EXPECT_LT(DisplacementField({}, offsets, {}).log_likelihood() - 13 * log_chance, without - 20);
+  EXPECT_NEAR(DisplacementField({}, offsets, {}).LogOddsToChance(log_chance), without, 1e-6);
 }
 
 }  // namespace

@@ -105,6 +105,20 @@ TEST(FitPlan, TellsAPlanFromItsMirrorImageByOneWall) {
   EXPECT_LT((fit->alignment.T_map_sheet(far_corner) - truth(far_corner)).norm(), 0.3);
 }
 
+// The twins are corrected and compared, too.
+TEST(FitPlan, TheResultDoesNotDependOnTheNumberOfThreads) {
+  const PlanGraph plan = TwoSidedBuilding(1.5);
+  const std::vector<grid::OccupancyGrid> maps = {MapOf(plan, Turned(0.3), [](const auto&) { return true; })};
+  const auto one = FitPlan(plan, maps, {.threads = 1});
+  const auto four = FitPlan(plan, maps, {.threads = 4});
+  ASSERT_TRUE(one.ok() && four.ok());
+  ASSERT_TRUE(one->corrected && four->corrected);
+  EXPECT_EQ(one->alignment.reason, four->alignment.reason);
+  EXPECT_EQ(one->alignment.T_map_sheet.linear, four->alignment.T_map_sheet.linear);
+  EXPECT_EQ(one->alignment.T_map_sheet.offset, four->alignment.T_map_sheet.offset);
+  EXPECT_EQ(one->corrected->log_evidence(), four->corrected->log_evidence());
+}
+
 TEST(FitPlan, RefusesAPlanThatIsRefusedInTheFirstMap) {
   const PlanGraph plan = DrawnBuilding();
   const auto fit = FitPlan(plan, {Seen(plan, {}, IsRoom), Seen(plan, {}, IsWest)}, {});
