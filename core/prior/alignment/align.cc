@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,10 +12,12 @@
 #include "core/base/parallel.h"
 #include "core/base/status_macros.h"
 #include "core/prior/alignment/aligner.h"
+#include "core/prior/alignment/directions.h"
 
 namespace enfilade::prior {
 namespace {
 
+constexpr double kAskew = 0.05;      // rad
 constexpr double kUsualScale = 1.3;  // by which plans are larger or smaller than their files say
 
 Alignment ToAlignment(const Candidate& candidate) {
@@ -150,6 +153,20 @@ Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<Twin>& twins, 
   return alignment;
 }
 
+// PairFit::others with the scales along and across the plan's walls instead of those of the sheet, if walls are askew
+// on the sheet.
+std::vector<PlanTransform> OthersAlongWalls(const PlanGraph& plan, std::vector<ControlPair> pairs, double sheet_size) {
+  const double direction = MainDirection(FacesOf(plan));
+  if (std::min(direction, M_PI / 2 - direction) < kAskew) return {};
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-direction).toRotationMatrix();
+  for (ControlPair& pair : pairs) pair.point_sheet = turn * pair.point_sheet;
+  const absl::StatusOr<PairFit> fit = FitPairs(pairs, sheet_size);
+  if (!fit.ok()) return {};
+  std::vector<PlanTransform> others = fit->others;
+  for (PlanTransform& other : others) other.linear *= turn;
+  return others;
+}
+
 }  // namespace
 
 absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence& evidence,
@@ -164,12 +181,15 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
   ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
   const Aligner aligner(plan, evidence, options);
   Alignment alignment = RefinedFrom(aligner, {.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0);
-  for (const PlanTransform& other : fit.others) {
-    if (!IsAllowed(other, options)) continue;
-    Alignment next =
-        RefinedFrom(aligner, {.transform = other, .model = TransformModel::kAnisotropic, .agreement = {}}, 3.0);
-    if (IsBetter(next, alignment, options)) alignment = std::move(next);
-  }
+  const auto try_others = [&](const std::vector<PlanTransform>& others, TransformModel model) {
+    for (const PlanTransform& other : others) {
+      if (!IsAllowed(other, options)) continue;
+      Alignment next = RefinedFrom(aligner, {.transform = other, .model = model, .agreement = {}}, 3.0);
+      if (IsBetter(next, alignment, options)) alignment = std::move(next);
+    }
+  };
+  try_others(fit.others, TransformModel::kAnisotropic);
+  try_others(OthersAlongWalls(plan, pairs, (max - min).norm()), TransformModel::kAffine);
   alignment.accepted = true;
   alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
   if (fit.wrong)

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
-#include <iterator>
 #include <unordered_map>
 
 #include "core/grid/distance_field.h"
@@ -22,7 +21,7 @@ constexpr double kLeastSpacing = 0.1;     // m
 constexpr double kSurroundings = 0.5;     // m
 constexpr std::size_t kFewestAround = 4;  // points within kSurroundings, else it is noise
 constexpr std::size_t kMostPoints = 6000;
-constexpr double kStraightEnough = 0.8;
+constexpr double kStraightEnough = 0.6;  // the two faces of a thick wall are each less straight for the other
 constexpr double kBeside[] = {0.1, 0.15, 0.2, 0.25};  // m, where free ground is looked for
 
 using grid::GridGeometry;
@@ -166,16 +165,17 @@ std::vector<WallPoint> WithDirections(const std::vector<Eigen::Vector2d>& points
   return walls;
 }
 
+// By the nearest free ground: behind a wall's other face there is some, too.
 Eigen::Vector2d OpenSideOf(const WallPoint& wall, const MapEvidence& evidence) {
   const Eigen::Vector2d across(-wall.along.y(), wall.along.x());
-  const auto free = [&](double side) {
-    return std::any_of(std::begin(kBeside), std::end(kBeside), [&](double distance) {
-      return evidence.GroundAt(wall.point + side * distance * across) == Ground::kFree;
-    });
-  };
-  const bool left = free(1);
-  if (left == free(-1)) return Eigen::Vector2d::Zero();
-  return left ? across : Eigen::Vector2d(-across);
+  for (const double distance : kBeside) {
+    const bool left = evidence.GroundAt(wall.point + distance * across) == Ground::kFree;
+    const bool right = evidence.GroundAt(wall.point - distance * across) == Ground::kFree;
+    if (left && right) break;
+    if (left) return across;
+    if (right) return -across;
+  }
+  return Eigen::Vector2d::Zero();
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/prior/correction/wall_line.h"
 #include "core/prior/correction/wall_springs.h"
 
 namespace enfilade::prior {
@@ -23,12 +24,6 @@ constexpr int kReweightings = 3;
 constexpr double kMostSurprise = 6.0;  // chi-squared of a wall that counts fully
 constexpr double kOnWall = 0.3;        // m: what is so near a wall moves with it
 constexpr double kInvented = 0.1;      // of a plan's walls: buildings do not have them
-
-struct Piece {
-  int face;
-  int number;  // along it
-  auto operator<=>(const Piece&) const = default;
-};
 
 double Median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -129,42 +124,63 @@ std::vector<PlanOffset> CorrectedPlan::Associate(const PlanDisplacement& field, 
   const std::vector<WallFace> moved = MovedFaces(field);
   const std::vector<WallFace> placed = Transformed(sheet_faces_, T_map_sheet_);
   const FaceIndex index(moved, gate);
-  const double piece = std::max(kPiece, evidence_.wall_length() / static_cast<double>(kMostOffsets));
-  const auto pieces_of = [&](int face) {
-    const WallFace& one = placed[static_cast<std::size_t>(face)];
-    return std::max(1, static_cast<int>(std::lround((one.to - one.from).norm() / piece)));
-  };
-  std::map<Piece, std::vector<double>> seen;  // offsets from where the wall was placed
+  std::vector<std::vector<WallSample>> seen(moved.size());  // of each face
   for (const WallPoint& wall : evidence_.walls) {
     if (wall.straightness < kLeastStraight) continue;
     const auto nearest = index.Nearest(wall.point, wall.along, kParallel, wall.open);
-    // Beyond a wall's end there may be anything.
-    if (!nearest || nearest->fraction <= 0 || nearest->fraction >= 1) continue;
-    const WallFace& before = placed[static_cast<std::size_t>(nearest->face)];
-    const Eigen::Vector2d normal(-nearest->along.y(), nearest->along.x());
-    const Eigen::Vector2d expected = before.from + nearest->fraction * (before.to - before.from);
-    const int pieces = pieces_of(nearest->face);
-    const int number = std::min(pieces - 1, static_cast<int>(nearest->fraction * pieces));
-    seen[{nearest->face, number}].push_back(normal.dot(wall.point - expected));
+    if (!nearest) continue;
+    const auto face = static_cast<std::size_t>(nearest->face);
+    if (const auto sample = SampleOf(wall.point, *nearest, moved[face])) seen[face].push_back(*sample);
   }
   std::vector<PlanOffset> offsets;
-  for (auto& [where, values] : seen) {
-    const WallFace& before = placed[static_cast<std::size_t>(where.face)];
-    const WallFace& after = moved[static_cast<std::size_t>(where.face)];
-    const int pieces = pieces_of(where.face);
-    const double length = (after.to - after.from).norm() / pieces;
-    if (static_cast<double>(values.size()) * evidence_.spacing < kLeastSeen * length) continue;
-    const double fraction = (where.number + 0.5) / pieces;
-    const Eigen::Vector2d along = (after.to - after.from).normalized();
-    const PlanWall& wall = plan_.walls[static_cast<std::size_t>(before.wall)];
-    offsets.push_back({.place = {.point = before.from + fraction * (before.to - before.from),
-                                 .corners = {wall.from, wall.to},
-                                 .shares = {1 - fraction, fraction}},
-                       .normal = {-along.y(), along.x()},
-                       .offset = Median(values),
-                       .sigma = kOffsetSigma});
+  for (std::size_t first = 0, next = 0; first < moved.size(); first = next) {
+    std::vector<WallSample> of_wall;
+    for (next = first; next < moved.size() && moved[next].wall == moved[first].wall; ++next) {
+      of_wall.insert(of_wall.end(), seen[next].begin(), seen[next].end());
+    }
+    if (of_wall.empty()) continue;
+    WallFace centre = moved[first];
+    const Eigen::Vector2d aside = 0.5 * (moved[next - 1].from - moved[first].from);
+    centre.from += aside;
+    centre.to += aside;
+    const WallLine line = LikeliestLine(centre, of_wall, gate / 2, evidence_);
+    if (!line.is_seen()) continue;
+    for (std::size_t face = first; face < next; ++face) {
+      AddOffsets(placed[face], moved[face], seen[face], line, offsets);
+    }
   }
   return offsets;
+}
+
+// One for each piece of the face on which there is enough of what lies on the line.
+void CorrectedPlan::AddOffsets(const WallFace& placed, const WallFace& moved, const std::vector<WallSample>& seen,
+                               const WallLine& line, std::vector<PlanOffset>& offsets) const {
+  const double piece = std::max(kPiece, evidence_.wall_length() / static_cast<double>(kMostOffsets));
+  const int pieces = std::max(1, static_cast<int>(std::lround((placed.to - placed.from).norm() / piece)));
+  const Eigen::Vector2d way = moved.to - moved.from;
+  const Eigen::Vector2d normal = Eigen::Vector2d(-way.y(), way.x()).normalized();
+  std::vector<std::vector<double>> values(static_cast<std::size_t>(pieces));  // from where the wall was placed
+  for (const WallSample& sample : seen) {
+    const double fraction = sample.at / way.norm();
+    if (std::abs(sample.across - line.AcrossAt(fraction)) > kOnLine) continue;
+    const Eigen::Vector2d before = placed.from + fraction * (placed.to - placed.from);
+    const Eigen::Vector2d after = moved.from + fraction * way;
+    const auto number = static_cast<std::size_t>(std::min(pieces - 1, static_cast<int>(fraction * pieces)));
+    values[number].push_back(sample.across + normal.dot(after - before));
+  }
+  const PlanWall& wall = plan_.walls[static_cast<std::size_t>(placed.wall)];
+  for (int i = 0; i < pieces; ++i) {
+    std::vector<double>& of_piece = values[static_cast<std::size_t>(i)];
+    const double fraction = (i + 0.5) / pieces;
+    if (of_piece.size() < 2 || line.SupportedShare(fraction - 0.5 / pieces, fraction + 0.5 / pieces) < kLeastSeen)
+      continue;
+    offsets.push_back({.place = {.point = placed.from + fraction * (placed.to - placed.from),
+                                 .corners = {wall.from, wall.to},
+                                 .shares = {1 - fraction, fraction}},
+                       .normal = normal,
+                       .offset = Median(of_piece),
+                       .sigma = kOffsetSigma});
+  }
 }
 
 void CorrectedPlan::Describe() {

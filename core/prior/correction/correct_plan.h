@@ -10,6 +10,7 @@
 #include "core/prior/alignment/plan_transform.h"
 #include "core/prior/correction/displacement_field.h"
 #include "core/prior/correction/plan_displacement.h"
+#include "core/prior/correction/wall_line.h"
 #include "core/prior/correction/wall_sight.h"
 #include "core/prior/plan/plan_graph.h"
 
@@ -70,6 +71,8 @@ class CorrectedPlan {
   std::unique_ptr<const PlanDisplacement> FieldOf(Correction correction, const std::vector<PlanOffset>& offsets,
                                                   const std::vector<double>& weights) const;
   std::vector<PlanOffset> Associate(const PlanDisplacement& field, double gate) const;
+  void AddOffsets(const WallFace& placed, const WallFace& moved, const std::vector<WallSample>& seen,
+                  const WallLine& line, std::vector<PlanOffset>& offsets) const;
   double EvidenceOfOffsets(const std::vector<PlanOffset>& offsets, const std::vector<double>& weights) const;
   void Describe();
   double ContradictedLength() const;  // m, of walls

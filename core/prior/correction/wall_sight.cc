@@ -3,18 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+
+#include "core/prior/correction/wall_line.h"
 
 namespace enfilade::prior {
 namespace {
-
-constexpr double kPieceLength = 0.2;  // m, at most
-
-// What was found of each piece of a wall.
-struct Pieces {
-  std::vector<std::uint8_t> seen;
-  std::vector<std::uint8_t> compatible;  // a wall nearby may be this one
-};
 
 // The piece at a share of the wall's length, and its neighbours: points of the map's walls have gaps.
 void Mark(std::vector<std::uint8_t>& pieces, double fraction) {
@@ -46,39 +41,47 @@ void MarkCompatible(const WallFace& line, const MapEvidence& evidence, std::vect
   }
 }
 
+WallSight SightOfWall(const WallFace& centre, const std::vector<WallSample>& samples, const MapEvidence& evidence) {
+  const WallLine line = LikeliestLine(centre, samples, kSeenDistance / 2, evidence);
+  const auto count = static_cast<double>(line.slots.size());
+  std::vector<std::uint8_t> compatible(line.slots.size(), 0);
+  MarkCompatible(centre, evidence, compatible);
+  const double on_line = line.SupportedShare(0, 1);
+  WallSight sight;
+  for (std::size_t i = 0; i < line.slots.size(); ++i) {
+    const Eigen::Vector2d middle = centre.from + (static_cast<double>(i) + 0.5) / count * (centre.to - centre.from);
+    if (line.slots[i] == 0 && compatible[i] == 0 && evidence.GroundAt(middle) == Ground::kFree) {
+      sight.contradicted_share += 1 / count;
+    }
+  }
+  if (line.is_seen()) {
+    sight.seen_share = on_line;
+    if (on_line >= 0.5) sight.sight = Sight::kSeen;
+    return sight;
+  }
+  // A wall that is shorter than walls may be off may be anywhere.
+  const bool is_long = (centre.to - centre.from).norm() > kSeenDistance;
+  const bool is_known = on_line + sight.contradicted_share >= 0.5;
+  if (is_long && is_known && sight.contradicted_share > on_line) sight.sight = Sight::kContradicted;
+  return sight;
+}
+
 }  // namespace
 
 std::vector<WallSight> SightsOf(const std::vector<WallFace>& lines, const std::vector<WallFace>& faces,
                                 const MapEvidence& evidence) {
-  std::vector<Pieces> found(lines.size());
-  const double piece = std::max(kPieceLength, evidence.spacing);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil((lines[i].to - lines[i].from).norm() / piece)));
-    found[i] = {std::vector<std::uint8_t>(count, 0), std::vector<std::uint8_t>(count, 0)};
-    MarkCompatible(lines[i], evidence, found[i].compatible);
-  }
+  std::vector<std::vector<WallSample>> samples(lines.size());
   const FaceIndex index(faces, kSeenDistance);
   for (const WallPoint& wall : evidence.walls) {
     const auto nearest = index.Nearest(wall.point, DirectionOf(wall), kParallel, wall.open);
     if (!nearest) continue;
-    const int of = faces[static_cast<std::size_t>(nearest->face)].wall;
-    Mark(found[static_cast<std::size_t>(of)].seen, nearest->fraction);
-  }
-  std::vector<WallSight> sights(lines.size());
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto count = static_cast<double>(found[i].seen.size());
-    for (std::size_t k = 0; k < found[i].seen.size(); ++k) {
-      const Eigen::Vector2d middle =
-          lines[i].from + (static_cast<double>(k) + 0.5) / count * (lines[i].to - lines[i].from);
-      if (found[i].seen[k] != 0) {
-        sights[i].seen_share += 1 / count;
-      } else if (found[i].compatible[k] == 0 && evidence.GroundAt(middle) == Ground::kFree) {
-        sights[i].contradicted_share += 1 / count;
-      }
+    const WallFace& face = faces[static_cast<std::size_t>(nearest->face)];
+    if (const auto sample = SampleOf(wall.point, *nearest, face)) {
+      samples[static_cast<std::size_t>(face.wall)].push_back(*sample);
     }
-    if (sights[i].contradicted_share > 0.5) sights[i].sight = Sight::kContradicted;
-    if (sights[i].seen_share >= 0.5) sights[i].sight = Sight::kSeen;
   }
+  std::vector<WallSight> sights;
+  for (std::size_t i = 0; i < lines.size(); ++i) sights.push_back(SightOfWall(lines[i], samples[i], evidence));
   return sights;
 }
 

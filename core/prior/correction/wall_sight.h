@@ -16,11 +16,12 @@ struct WallSight {
   double contradicted_share = 0;
 };
 
-// Of each of the plan's `walls` (centre lines and faces, in the map's frame; faces name their wall). A piece of a wall
-// is seen if the map has a wall there that runs as it does and belongs to no other wall of the plan. It is contradicted
-// if the map knows free ground there, and has no wall nearby that runs as it does, or whose direction it does not know.
-// A wall that stands at right angles, such as that at which an invented wall begins, or furniture that is straight does
-// not make a piece seen.
+// Of each of the plan's `walls` (centre lines and faces, in the map's frame; faces name their wall). A wall is seen or
+// not as a whole: along the straight line that the map supports best (LikeliestLine), more of it must be on walls of
+// the map than in free ground. A wall of the map counts if it runs as this one does and belongs to no other of the
+// plan. A piece is contradicted if the map knows free ground there and has no wall nearby that runs so, or whose
+// direction it does not know; a wall, if half of it is known, most of that is contradicted, and it is longer than
+// kSeenDistance.
 std::vector<WallSight> SightsOf(const std::vector<WallFace>& lines, const std::vector<WallFace>& faces,
                                 const MapEvidence& evidence);
 

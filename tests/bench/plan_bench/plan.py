@@ -54,6 +54,7 @@ class Plan:
         self.all_walls = [(wall["from"], wall["to"]) for wall in truth["walls"]]
         self.invented = [wall["invented"] for wall in truth["walls"]]
         self.walls = [ends for ends, invented in zip(self.all_walls, self.invented) if not invented]
+        self.left_out = [tuple(to_map(complex(*end)) for end in wall) for wall in truth["left_out"]]
         features = json.loads(self.geojson.read_text())["features"]
         self.door_sheet = [[complex(*point) for point in one["geometry"]["coordinates"]] for one in features
                            if one["properties"]["kind"] == "door"]

@@ -81,6 +81,7 @@ def of_associations(mode, found):
     if not total:
         return {}
     return total | {"precision": share(total["true_claims"], total["claimed"]),
+                    "precision_of_what_stands": share(total["true_claims"] + total["claims_that_stand"], total["claimed"]),
                     "recall": share(total["found"], total["observable"]),
                     "contradicted_precision": share(total["true_contradicted"], total["contradicted"]),
                     "contradicted_recall": share(total["found_contradicted"], total["contradictable"])}

@@ -208,6 +208,25 @@ TEST(AlignByPairsTest, WallsTellWhetherAPlanIsMirrored) {
   }
 }
 
+// Both points lie on one wall, so nothing but the map's walls tells the scale across it.
+TEST(AlignByPairsTest, TheScalesOfAPlanThatLiesAskewOnItsSheetMayDiffer) {
+  const PlanGraph plan = DrawnBuilding();
+  const auto on_sheet = [](const Eigen::Vector2d& p) -> Eigen::Vector2d { return Eigen::Rotation2Dd(M_PI / 4) * p; };
+  const PlanGraph turned = TurnedOnTheSheet(plan, M_PI / 4);
+  for (const double ratio : {0.7, 1.4, 1.5}) {
+    const PlanTransform truth = Stretched(M_PI / 4, ratio);
+    const MapEvidence evidence = EvidenceOf(MapOf(
+        plan, [&](const Eigen::Vector2d& p) { return truth(on_sheet(p)); }, IsLeft));
+    std::vector<ControlPair> pairs;
+    for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {240, 0}}) {
+      pairs.push_back({on_sheet(point), truth(on_sheet(point))});
+    }
+    const auto alignment = prior::AlignByPairs(turned, evidence, pairs, {});
+    ASSERT_TRUE(alignment.ok()) << alignment.status();
+    EXPECT_LT(LargestError(turned, alignment->T_map_sheet, truth), 0.5) << ratio;
+  }
+}
+
 // Of which a robot has seen two parallel walls.
 TEST(AlignByPairsTest, ABareCorridorStaysOpenAlongIt) {
   PlanGraph plan = DrawnBuilding();

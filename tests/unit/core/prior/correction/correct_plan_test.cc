@@ -19,6 +19,52 @@ MapEvidence AllOf(const PlanGraph& building) {
   return EvidenceOf(MapOf(building, kWherePlanLies, [](const Eigen::Vector2d&) { return true; }));
 }
 
+double AcrossOf(const CorrectedPlan& corrected, const PlanGraph& plan, std::size_t wall, const Eigen::Vector2d& sheet) {
+  const Eigen::Vector2d from = corrected.corners()[static_cast<std::size_t>(plan.walls[wall].from)].point;
+  const Eigen::Vector2d to = corrected.corners()[static_cast<std::size_t>(plan.walls[wall].to)].point;
+  const Eigen::Vector2d along = (to - from).normalized();
+  return std::abs(Eigen::Vector2d(-along.y(), along.x()).dot(kWherePlanLies(sheet) - from));
+}
+
+// A cupboard 0.45 m deep hides the half of a wall of 3.5 m; the map knows no ground behind its front.
+TEST(CorrectPlanTest, FurnitureBeforeAWallDoesNotBendIt) {
+  PlanGraph building = DrawnBuilding();
+  DrawWall(building, {600, 20}, {670, 20});
+  PlanGraph plan = building;
+  const std::size_t wall = plan.walls.size() - 1;
+  const auto is_hidden = [](const Eigen::Vector2d& p) {
+    return p.x() > 635 && p.x() < 672 && p.y() > 0 && p.y() < 28.5;
+  };
+  PlanGraph furnished = building;
+  DrawWall(furnished, {635, 29}, {670, 29});
+  const MapEvidence evidence =
+      EvidenceOf(MapOf(furnished, kWherePlanLies, [&](const Eigen::Vector2d& p) { return !is_hidden(p); }));
+  const CorrectedPlan corrected(plan, evidence, kWherePlanLies);
+  EXPECT_LT(AcrossOf(corrected, plan, wall, {600, 20}), 0.1);
+  EXPECT_LT(AcrossOf(corrected, plan, wall, {670, 20}), 0.1);
+}
+
+// Each face of a thick wall makes the other look less straight.
+TEST(CorrectPlanTest, AThickWallIsNotTakenForItsOtherFace) {
+  PlanGraph building = DrawnBuilding();
+  PlanGraph plan = building;
+  DrawWall(plan, {420, 100}, {460, 100});
+  plan.walls.back().thickness = 5;  // 0.25 m
+  for (const double y : {97.5, 102.5}) DrawWall(building, {420, y}, {460, y});
+  for (const double x : {420.0, 460.0}) DrawWall(building, {x, 97.5}, {x, 102.5});
+  const auto is_inside = [](const Eigen::Vector2d& p) {
+    return p.x() > 420.5 && p.x() < 459.5 && p.y() > 98 && p.y() < 102;
+  };
+  const MapEvidence evidence =
+      EvidenceOf(MapOf(building, kWherePlanLies, [&](const Eigen::Vector2d& p) { return !is_inside(p); }));
+  const std::size_t wall = plan.walls.size() - 1;
+  for (const int end : {plan.walls[wall].from, plan.walls[wall].to}) {
+    plan.corners[static_cast<std::size_t>(end)].point.y() += 3;  // nearer to its other face
+  }
+  const CorrectedPlan corrected(plan, evidence, kWherePlanLies);
+  EXPECT_LT(AcrossOf(corrected, plan, wall, {440, 100}), 0.1);
+}
+
 TEST(LogEvidenceTest, AMetreInFreeGroundCostsLnTen) {
   const PlanGraph building = DrawnBuilding();
   const MapEvidence evidence = AllOf(building);

@@ -32,7 +32,7 @@ class WallSightTest : public testing::Test {
 
   const PlanGraph built_ = DrawnBuilding();
   const PlanTransform place_{Eigen::Vector2d(0.05, -0.05).asDiagonal(), {1, 30}};
-  const MapEvidence evidence_ = EvidenceOf(MapOf(
+  MapEvidence evidence_ = EvidenceOf(MapOf(
       built_, [&](const Eigen::Vector2d& p) { return place_(p); },
       [](const Eigen::Vector2d& sheet) { return sheet.x() < 600; }));
   std::vector<WallSight> sights_;
@@ -65,6 +65,17 @@ TEST_F(WallSightTest, AWallThatIsDrawnTwiceIsSeenOnce) {
   const WallSight sight = SightWith({12.3, 1}, {12.3, 9});
   EXPECT_LT(sight.seen_share, 0.2);
   EXPECT_EQ(sight.sight, Sight::kUnseen);
+}
+
+// Furniture stands along a third of it; one sees through the rest.
+TEST_F(WallSightTest, AWallBesideFurnitureIsNotSeen) {
+  PlanGraph furnished = built_;
+  for (const double y : {120.0, 140.0}) DrawWall(furnished, {360, y}, {380, y});
+  for (const double x : {360.0, 380.0}) DrawWall(furnished, {x, 120}, {x, 140});
+  evidence_ = EvidenceOf(MapOf(furnished, place_, [](const Eigen::Vector2d&) { return true; }));
+  const WallSight sight = SightWith({18.05, 5.8}, {18.05, 9});
+  EXPECT_EQ(sight.sight, Sight::kContradicted);
+  EXPECT_EQ(sight.seen_share, 0);
 }
 
 TEST_F(WallSightTest, NothingIsKnownOfWallsWhereNoRobotHasBeen) {
