@@ -53,7 +53,8 @@ async function drag(page, handle, dx, dy, isHeld = false) {
 
 const ghosts = async (page) => (await drawnMaps(page)).filter(({ ghost }) => ghost);
 const mapIn = async (page, name) => (await drawnMaps(page)).find((one) => one.name === name && !one.ghost);
-const previewed = (page) => page.locator('section[aria-label=Preview][aria-busy=false]').waitFor();
+const preview = (page) => page.locator('section[aria-label=Preview][aria-busy=false]');
+const previewed = (page) => preview(page).waitFor();
 const save = (page, name = 'Save') => page.getByRole('button', { name, exact: true });
 const saved = (page) => page.getByText(/^Saved as version /).waitFor();
 
@@ -105,8 +106,11 @@ export function addGraphEdit(stage) {
     await save(page).click();
     await saved(page);
     assert.ok(!(await linkPointOf(system, site, 'door')).pinned);
-    await drag(page, grip(page, 'Place of the anchor', 'b'), 30, -20);
-    await previewed(page);
+    // What has been saved comes back by the stream, too, and lets go of what a hand holds then.
+    await until('a drag is previewed', async () => {
+      await drag(page, grip(page, 'Place of the anchor', 'b'), 30, -20);
+      return preview(page).waitFor({ timeout: 5_000 }).then(() => true, () => false);
+    });
     assert.ok(await pin.isChecked(), 'a drag pins it');
     await save(page).click();
     await until('it is stored so', async () => (await linkPointOf(system, site, 'door')).pinned);
