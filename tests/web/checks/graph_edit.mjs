@@ -106,7 +106,7 @@ export function addGraphEdit(stage) {
     await save(page).click();
     await saved(page);
     assert.ok(!(await linkPointOf(system, site, 'door')).pinned);
-    // What has been saved comes back by the stream, too, and lets go of what a hand holds then.
+    // On a busy machine a drag right after a save has been lost; why is not known.
     await until('a drag is previewed', async () => {
       await drag(page, grip(page, 'Place of the anchor', 'b'), 30, -20);
       return preview(page).waitFor({ timeout: 5_000 }).then(() => true, () => false);

@@ -189,13 +189,13 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& conne
   ENFILADE_ASSIGN_OR_RETURN(auto drives, ReadDrives(connection, SiteNameOf(globals)));
   const std::map<std::string, grid::Rgb> colors = ColorsOf(graph);
   std::vector<PlottedMap> maps;
-  std::vector<plot::DrivenRaster> rasters;
+  std::map<int, std::vector<plot::DrivenRaster>> rasters;  // by level: those above each other all stay visible
   for (const v1::GraphMap& map : graph.maps()) {
     if (!map.has_pose_world_map() || (options.level && map.level() != *options.level)) continue;
     const PoseWithCovariance pose = ToPose(map.pose_world_map());
     maps.push_back({map.map(), map.display_name(), pose.pose, colors.at(map.map()), std::move(drives[map.map()])});
     for (Eigen::Vector2d& p : maps.back().drives) p = pose.pose * p;
-    ENFILADE_RETURN_IF_ERROR(AddMap(connection, maps.back(), rasters, scene));
+    ENFILADE_RETURN_IF_ERROR(AddMap(connection, maps.back(), rasters[map.level()], scene));
     AddEllipse(pose, maps.back().color, scene);
   }
   std::map<std::string, std::vector<Eigen::Vector2d>> joins;  // by map
@@ -211,7 +211,11 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& conne
     doors.push_back(place.pose.translation());
     for (const std::string& map : point.maps()) joins[map].push_back(place.pose.translation());
   }
-  scene.rasters = plot::CutToTerritories(std::move(rasters), doors);
+  for (auto& [level, of_level] : rasters) {
+    for (plot::SceneRaster& raster : plot::CutToTerritories(std::move(of_level), doors)) {
+      scene.rasters.push_back(std::move(raster));
+    }
+  }
   for (const PlottedMap& map : maps) AddJoins(map, joins[map.name], scene);
   return maps;
 }
