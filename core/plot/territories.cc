@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <queue>
 #include <tuple>
@@ -189,12 +190,14 @@ class Territories {
 
 std::vector<SceneRaster> CutToTerritories(std::vector<DrivenRaster> rasters,
                                           const std::vector<Eigen::Vector2d>& doors) {
+  std::map<int, std::vector<DrivenRaster>> by_level;
+  for (DrivenRaster& driven : rasters) by_level[driven.level].push_back(std::move(driven));
   std::vector<SceneRaster> cut;
-  if (!rasters.empty()) {
-    Territories territories(rasters, doors);
+  for (const auto& [level, of_level] : by_level) {
+    Territories territories(of_level, doors);
     territories.Grow();
-    for (std::size_t i = 0; i < rasters.size(); ++i) {
-      cut.push_back(rasters[i].raster);
+    for (std::size_t i = 0; i < of_level.size(); ++i) {
+      cut.push_back(of_level[i].raster);
       territories.Cut(static_cast<int>(i), cut.back().grid);
     }
   }

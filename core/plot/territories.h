@@ -12,6 +12,7 @@ namespace enfilade::plot {
 struct DrivenRaster {
   SceneRaster raster;
   std::vector<Eigen::Vector2d> drives;
+  int level = 0;  // maps above each other take no place from one another
 };
 
 // What robots see of a room through its door is in the neighbour's map, too. Gives each place to one raster only: to

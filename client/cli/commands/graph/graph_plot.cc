@@ -115,11 +115,11 @@ Eigen::Vector2d CentreOf(const PlottedMap& map) {
       [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - mean).norm() < (b - mean).norm(); });
 }
 
-absl::Status AddMap(const client::Connection& connection, const PlottedMap& map,
+absl::Status AddMap(const client::Connection& connection, const PlottedMap& map, int level,
                     std::vector<plot::DrivenRaster>& rasters, plot::Scene& scene) {
   ENFILADE_RETURN_IF_ERROR(AddOutline(connection, map, scene));
   ENFILADE_ASSIGN_OR_RETURN(auto grid, FetchGrid(connection, map.name));
-  if (grid) rasters.push_back({{*std::move(grid), map.T_scene_map, map.color}, map.drives});
+  if (grid) rasters.push_back({{*std::move(grid), map.T_scene_map, map.color}, map.drives, level});
   AddAxes(map.T_scene_map, scene);
   scene.labels.push_back({CentreOf(map), map.display_name, map.color});
   return absl::OkStatus();
@@ -189,13 +189,13 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& conne
   ENFILADE_ASSIGN_OR_RETURN(auto drives, ReadDrives(connection, SiteNameOf(globals)));
   const std::map<std::string, grid::Rgb> colors = ColorsOf(graph);
   std::vector<PlottedMap> maps;
-  std::map<int, std::vector<plot::DrivenRaster>> rasters;  // by level: those above each other all stay visible
+  std::vector<plot::DrivenRaster> rasters;
   for (const v1::GraphMap& map : graph.maps()) {
     if (!map.has_pose_world_map() || (options.level && map.level() != *options.level)) continue;
     const PoseWithCovariance pose = ToPose(map.pose_world_map());
     maps.push_back({map.map(), map.display_name(), pose.pose, colors.at(map.map()), std::move(drives[map.map()])});
     for (Eigen::Vector2d& p : maps.back().drives) p = pose.pose * p;
-    ENFILADE_RETURN_IF_ERROR(AddMap(connection, maps.back(), rasters[map.level()], scene));
+    ENFILADE_RETURN_IF_ERROR(AddMap(connection, maps.back(), map.level(), rasters, scene));
     AddEllipse(pose, maps.back().color, scene);
   }
   std::map<std::string, std::vector<Eigen::Vector2d>> joins;  // by map
@@ -211,11 +211,7 @@ absl::StatusOr<std::vector<PlottedMap>> AddGraph(const client::Connection& conne
     doors.push_back(place.pose.translation());
     for (const std::string& map : point.maps()) joins[map].push_back(place.pose.translation());
   }
-  for (auto& [level, of_level] : rasters) {
-    for (plot::SceneRaster& raster : plot::CutToTerritories(std::move(of_level), doors)) {
-      scene.rasters.push_back(std::move(raster));
-    }
-  }
+  scene.rasters = plot::CutToTerritories(std::move(rasters), doors);
   for (const PlottedMap& map : maps) AddJoins(map, joins[map.name], scene);
   return maps;
 }
@@ -227,7 +223,7 @@ absl::StatusOr<std::vector<PlottedMap>> AddOneMap(const client::Connection& conn
   ENFILADE_ASSIGN_OR_RETURN(auto drives, ReadDrives(connection, SiteNameOf(globals)));
   const PlottedMap plotted{map.name(), map.display_name(), {}, kPalette[0], std::move(drives[map.name()])};
   std::vector<plot::DrivenRaster> rasters;
-  ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, rasters, scene));
+  ENFILADE_RETURN_IF_ERROR(AddMap(connection, plotted, map.level(), rasters, scene));
   for (plot::DrivenRaster& driven : rasters) scene.rasters.push_back(std::move(driven.raster));
   v1::ListLinkPointsRequest request;
   request.set_parent(SiteNameOf(globals));

@@ -116,6 +116,14 @@ TEST(Territories, WhatNoDriveReachesStaysInAllMaps) {
   EXPECT_TRUE(CutToTerritories({}, {}).empty());
 }
 
+TEST(Territories, MapsOfLevelsAboveEachOtherStayWhole) {
+  const Rows room = {".....", ".....", "....."};
+  const std::vector<SceneRaster> cut = CutToTerritories(
+      {{{Drawn(room), {}, {}}, {CentreOf(1, 1)}, 0}, {{Drawn(room), {}, {}}, {CentreOf(3, 1)}, 1}}, {});
+  EXPECT_EQ(Text(cut[0].grid), room);
+  EXPECT_EQ(Text(cut[1].grid), room);
+}
+
 TEST(Territories, ADriveOutsideOfAllRastersIsIgnored) {
   const std::vector<SceneRaster> cut =
       CutToTerritories({{{Drawn(kLeft), {}, {}}, {Eigen::Vector2d(1e6, 0.0), Eigen::Vector2d(0.0, -1e6)}}}, {});
