@@ -25,6 +25,10 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kGrace{500};
 // How long a statement may run on after its caller has cancelled the call.
 constexpr std::chrono::milliseconds kCancellationCheck{50};
+// When a request to cancel is repeated, twice as long each time: one that reaches the database between two statements
+// cancels neither.
+constexpr std::chrono::milliseconds kCancelAgain{100};
+constexpr int kMostDoublings = 6;
 constexpr char kQueryCanceled[] = "57014";
 constexpr std::size_t kCopySlice = 1 << 20;
 constexpr int kOldestServer = 150000;
@@ -223,8 +227,8 @@ absl::Status Connection::Wait(bool for_writing, const CallContext& context, std:
   const auto events = static_cast<short>(for_writing ? POLLIN | POLLOUT : POLLIN);
   const auto until = context.deadline + kGrace;
   while (true) {
-    if (!cancel_sent_ && context.cancellation.stop_requested()) CancelStatement();
-    const bool may_cancel = !cancel_sent_ && context.cancellation.stop_possible();
+    if (context.cancellation.stop_requested() && steady_clock::now() >= next_cancel_) CancelStatement();
+    const bool may_cancel = context.cancellation.stop_possible();
     const auto next = may_cancel ? std::min(until, steady_clock::now() + kCancellationCheck) : until;
     switch (PollSocket(PQsocket(connection_.get()), events, next)) {
       case PollOutcome::kReady:
@@ -238,10 +242,10 @@ absl::Status Connection::Wait(bool for_writing, const CallContext& context, std:
   }
 }
 
-// Called by the waiting thread. Opens another connection for the request; if that fails, the statement runs on until
-// its timeout.
+// Called by the waiting thread. Opens another connection for the request.
 void Connection::CancelStatement() {
-  cancel_sent_ = true;
+  next_cancel_ = steady_clock::now() + kCancelAgain * (1 << std::min(cancels_sent_, kMostDoublings));
+  ++cancels_sent_;
   PGcancel* const cancel = PQgetCancel(connection_.get());
   if (!cancel) return;
   std::array<char, 256> error{};
@@ -252,7 +256,9 @@ void Connection::CancelStatement() {
 absl::Status Connection::NameCancellation(absl::Status status, const CallContext& context) {
   const bool was_cancelled = SqlStateOf(status) == kQueryCanceled;
   // A request that came too late for its statement might cancel the next one.
-  if (std::exchange(cancel_sent_, false) && !was_cancelled) cancel_may_follow_ = true;
+  if (cancels_sent_ > (was_cancelled ? 1 : 0)) cancel_may_follow_ = true;
+  cancels_sent_ = 0;
+  next_cancel_ = {};
   if (!was_cancelled || !context.cancellation.stop_requested() || steady_clock::now() >= context.deadline) {
     return status;
   }

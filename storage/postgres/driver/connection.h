@@ -108,7 +108,8 @@ class Connection {
   std::vector<Queued> queue_;
   absl::Status queue_status_;
   std::int64_t statement_timeout_ms_ = 0;
-  bool cancel_sent_ = false;        // by the flush or copy under way
+  int cancels_sent_ = 0;  // by the flush or copy under way
+  std::chrono::steady_clock::time_point next_cancel_{};
   bool cancel_may_follow_ = false;  // a request to cancel was sent, and no statement was cancelled
   bool broken_ = false;
 };

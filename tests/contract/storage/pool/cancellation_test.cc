@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <future>
 #include <stop_token>
@@ -18,6 +20,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using ::testing::HasSubstr;
 
+constexpr Statement kOwnPid{"reading the pid", "SELECT pg_backend_pid()::bigint"};
 constexpr Statement kSelect{"selecting one", "SELECT 1::bigint"};
 constexpr Statement kSleepLong{"sleeping", "SELECT pg_sleep(600)::text"};
 constexpr Statement kSleepShort{"dozing", "SELECT pg_sleep($1)::text"};
@@ -103,6 +106,26 @@ TEST_F(CancellationTest, StopsACopyThatWaits) {
                 }),
                 absl::StatusCode::kCancelled, HasSubstr("copying"));
   ASSERT_OK(holder.Commit());
+  EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM t"), "0");
+}
+
+// A request that reaches the database before the statement does is lost.
+TEST_F(CancellationTest, IsRepeatedUntilTheStatementStops) {
+  if (std::getenv("ENFILADE_TEST_DATABASE")) GTEST_SKIP() << "the server is not this test's own";
+  ASSERT_OK_AND_ASSIGN(Transaction holder, Transaction::Begin(*pool_, Soon()));
+  ASSERT_OK(holder.Execute(kLockTable, Params()));
+  ASSERT_OK_AND_ASSIGN(Transaction waiting, Transaction::Begin(*pool_, Cancellable()));
+  ASSERT_OK_AND_ASSIGN(const Result backend, waiting.Execute(kOwnPid, Params()));
+  const auto pid = static_cast<pid_t>(Row(backend, 0).Int64());
+  ASSERT_EQ(kill(pid, SIGSTOP), 0);
+  cancellation_.request_stop();
+  std::future<absl::Status> done = std::async(std::launch::async, [&] {
+    return waiting.Execute(kAdd, Params(std::int64_t{1})).status();  // waits for the holder
+  });
+  std::this_thread::sleep_for(milliseconds(500));
+  ASSERT_EQ(kill(pid, SIGCONT), 0);
+  EXPECT_STATUS(done.get(), absl::StatusCode::kCancelled, HasSubstr("adding"));
+  EXPECT_OK(holder.Commit()) << "it waited until the database ended the holder's transaction";
   EXPECT_EQ(database_.SqlValue("SELECT count(*) FROM t"), "0");
 }
 
