@@ -8,6 +8,7 @@
 
 #include "Eigen/Geometry"
 #include "core/base/error.h"
+#include "core/geometry/convex_hull.h"
 #include "core/options/yaml_document.h"
 #include "fmt/format.h"
 
@@ -26,29 +27,6 @@ struct LevelDrawing {
 
   Eigen::Vector2d ToMetres(double x, double y) const { return {scale * x, scale * up * y}; }
 };
-
-double Cross(const Eigen::Vector2d& o, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
-}
-
-// Andrew's monotone chain. Empty if the points lie on one line.
-Points ConvexHull(Points points) {
-  if (points.size() < 3) return {};
-  std::sort(points.begin(), points.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-  });
-  Points hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t first = hull.size();
-    for (const Eigen::Vector2d& point : points) {
-      while (hull.size() >= first + 2 && Cross(hull[hull.size() - 2], hull.back(), point) <= 1e-9) hull.pop_back();
-      hull.push_back(point);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull.size() >= 3 ? hull : Points();
-}
 
 // Values of properties are [type, value].
 std::string TextOf(const YAML::Node& property) {
@@ -125,7 +103,8 @@ class Parser {
       return drawing.ToMetres(vertex.x(), vertex.y());
     };
     try {
-      drawing.level.outline = ConvexHull(CornersOf(node, point));
+      const ConvexHull hull(CornersOf(node, point));
+      if (hull.outline().size() >= 3) drawing.level.outline = hull.outline();
       if (node["doors"]) {
         for (const auto& door : node["doors"]) {
           const Eigen::Vector2d a = point(door[0]), b = point(door[1]), middle = (a + b) / 2;

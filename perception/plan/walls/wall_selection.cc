@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "perception/plan/walls/convex_hull.h"
+#include "core/geometry/convex_hull.h"
 #include "perception/plan/walls/door_swings.h"
 #include "perception/plan/walls/weighted_median.h"
 

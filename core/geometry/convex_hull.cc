@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "perception/plan/walls/convex_hull.h"
+#include "core/geometry/convex_hull.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
-namespace enfilade::perception {
+#include "core/geometry/segments.h"
+
+namespace enfilade {
 namespace {
 
 using Eigen::Vector2d;
 
-// Positive if c lies to the left of the way from a to b (x to the right, y up).
-double SideOf(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-  return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-}
+constexpr double kOnLine = 1e-9;  // twice the area of three points on one line, as they come from files
 
 }  // namespace
 
@@ -24,7 +23,7 @@ ConvexHull::ConvexHull(std::vector<Vector2d> points) {
   };
   std::sort(points.begin(), points.end(), before);
   const auto add = [&](const Vector2d& p, std::size_t least) {
-    while (outline_.size() >= least + 2 && SideOf(outline_[outline_.size() - 2], outline_.back(), p) <= 0) {
+    while (outline_.size() >= least + 2 && SideOf(outline_[outline_.size() - 2], outline_.back(), p) <= kOnLine) {
       outline_.pop_back();
     }
     outline_.push_back(p);
@@ -52,4 +51,4 @@ bool ConvexHull::Contains(const Vector2d& point, double margin) const {
   return true;
 }
 
-}  // namespace enfilade::perception
+}  // namespace enfilade
