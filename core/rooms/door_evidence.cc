@@ -211,34 +211,19 @@ double AlignedShare(const GroundMap& ground, const DoorCandidate& line) {
   return straight > 0 ? static_cast<double>(aligned) / straight : 0.0;
 }
 
-// How much farther the open ground reaches than the line, beside it at `at`.
-double WidthBeyond(const GroundMap& ground, const Eigen::Vector2d& at, const Eigen::Vector2d& along, double half) {
-  constexpr double kMost = 1.0;  // m beyond each jamb
-  const double most = half + kMost / ground.resolution;
-  double width = 0.0;
-  for (const double sign : {-1.0, 1.0}) {
-    double reached = 0.0;
-    while (reached < most && ground.IsOpen(at + sign * (reached + 1.0) * along)) reached += 1.0;
-    width += reached;
-  }
-  return (width - 2.0 * half) * ground.resolution;
-}
-
 }  // namespace
 
 DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candidate) {
   const Eigen::Vector2d along = (candidate.b - candidate.a).normalized();
-  const Eigen::Vector2d aside(-along.y(), along.x());
   DoorEvidence evidence;
   evidence.width = ClearStretch(ground, candidate) * ground.resolution;
   evidence.length = candidate.length() * ground.resolution;
   evidence.b = JambAt(ground, candidate.b, along);
   evidence.a = JambAt(ground, candidate.a, -along);
   std::swap(evidence.a.across_before, evidence.a.across_behind);
-  const double half = candidate.length() / 2.0;
-  const Eigen::Vector2d step = 0.5 / ground.resolution * aside;
-  evidence.wider_before = WidthBeyond(ground, candidate.middle() + step, along, half);
-  evidence.wider_behind = WidthBeyond(ground, candidate.middle() - step, along, half);
+  const auto is_open = [&](std::size_t cell) { return ground.IsOpen(cell); };
+  evidence.wider_before = WidthBeyond(ground, candidate, 1.0, is_open);
+  evidence.wider_behind = WidthBeyond(ground, candidate, -1.0, is_open);
   evidence.aligned = AlignedShare(ground, candidate);
   return evidence;
 }

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
+#include <cstddef>
 
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/ground.h"
@@ -42,6 +44,31 @@ DoorEvidence GatherEvidence(const GroundMap& ground, const DoorCandidate& candid
 
 // The wall that goes on from a jamb, `outward` along the candidate's line. In cells.
 JambEvidence JambAt(const GroundMap& ground, const Eigen::Vector2d& jamb, const Eigen::Vector2d& outward);
+
+// How much wider the ground is than a line 0.5 m before it (`sign` 1) or behind it (-1), up to 1 m at each end; m. It
+// ends at cells that are not free(cell).
+template <typename Free>
+double WidthBeyond(const GroundMap& ground, const DoorCandidate& line, double sign, Free&& free) {
+  constexpr double kAside = 0.5;  // m
+  constexpr double kMost = 1.0;   // m
+  const Eigen::Vector2d along = (line.b - line.a).normalized();
+  const Eigen::Vector2d aside(-along.y(), along.x());
+  const Eigen::Vector2d at = line.middle() + sign * (kAside / ground.resolution * aside);
+  const double most = line.length() / 2.0 + kMost / ground.resolution;
+  double width = 0.0;
+  for (const double direction : {-1.0, 1.0}) {
+    double reached = 0.0;
+    while (reached < most) {
+      const Eigen::Vector2d p = at + direction * (reached + 1.0) * along;
+      const auto x = static_cast<int>(std::lround(p.x()));
+      const auto y = static_cast<int>(std::lround(p.y()));
+      if (!ground.contains(x, y) || !free(ground.index(x, y))) break;
+      reached += 1.0;
+    }
+    width += reached;
+  }
+  return (width - line.length()) * ground.resolution;
+}
 
 // The evidence as numbers that depend neither on which jamb is `a` nor on which side is before the line: what the odds
 // are fitted to (door_odds.h).

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 namespace enfilade::rooms {
 namespace {
@@ -15,7 +16,7 @@ constexpr float kAlways = std::numeric_limits<float>::infinity();
 // A complete binary tree. The nodes below split i are 2 i + 1, if the value is at most the threshold, and 2 i + 2; the
 // leaves follow the splits.
 struct Split {
-  std::uint8_t value;  // index into DoorValues
+  std::uint8_t value;  // index into the values
   float threshold;
 };
 struct DoorTree {
@@ -24,8 +25,9 @@ struct DoorTree {
 };
 
 #include "core/rooms/door_trees.inc"
+#include "core/rooms/surrounded_trees.inc"
 
-double LeafOf(const DoorTree& tree, const DoorValues& values) {
+double LeafOf(const DoorTree& tree, std::span<const double> values) {
   std::size_t node = 0;
   while (node < tree.splits.size()) {
     const Split& split = tree.splits[node];
@@ -34,13 +36,16 @@ double LeafOf(const DoorTree& tree, const DoorValues& values) {
   return static_cast<double>(tree.leaves[node - tree.splits.size()]);
 }
 
-}  // namespace
-
-double OpennessOf(const DoorEvidence& evidence) {
-  const DoorValues values = ValuesOf(evidence);
-  double odds_of_door = kPriorOdds;
-  for (const DoorTree& tree : kDoorTrees) odds_of_door += LeafOf(tree, values);
+double OpennessBy(double prior_odds, std::span<const DoorTree> trees, std::span<const double> values) {
+  double odds_of_door = prior_odds;
+  for (const DoorTree& tree : trees) odds_of_door += LeafOf(tree, values);
   return -odds_of_door;
 }
+
+}  // namespace
+
+double OpennessOf(const DoorEvidence& evidence) { return OpennessBy(kPriorOdds, kDoorTrees, ValuesOf(evidence)); }
+
+double OpennessOf(const SurroundedValues& values) { return OpennessBy(kSurroundedPriorOdds, kSurroundedTrees, values); }
 
 }  // namespace enfilade::rooms

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/rooms/door_evidence.h"
+#include "core/rooms/surroundings.h"
 
 namespace enfilade::rooms {
 
@@ -9,5 +10,8 @@ namespace enfilade::rooms {
 // regression trees (J. Friedman, "Greedy function approximation: a gradient boosting machine", 2001). tests/bench/
 // fit_door_trees fits them to candidates of which the truth is known, and writes door_trees.inc.
 double OpennessOf(const DoorEvidence& evidence);
+
+// The same once it is known what surrounds the line; the trees are those of surrounded_trees.inc.
+double OpennessOf(const SurroundedValues& values);
 
 }  // namespace enfilade::rooms

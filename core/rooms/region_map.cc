@@ -11,18 +11,6 @@ namespace {
 constexpr std::int32_t kUnvisited = -2;
 constexpr std::int32_t kOnLine = -3;
 
-// Calls visit(cell) for the open cells of a line without gaps at corners.
-template <typename Visit>
-void VisitLineCells(const GroundMap& ground, const DoorCandidate& line, Visit&& visit) {
-  const int steps = static_cast<int>(std::ceil(3.0 * line.length())) + 1;
-  for (int i = 0; i <= steps; ++i) {
-    const Eigen::Vector2d p = line.a + (line.b - line.a) * (static_cast<double>(i) / steps);
-    const auto x = static_cast<int>(std::lround(p.x()));
-    const auto y = static_cast<int>(std::lround(p.y()));
-    if (ground.IsOpen(x, y)) visit(ground.index(x, y));
-  }
-}
-
 template <typename Visit>
 void VisitSides(const GroundMap& ground, std::size_t cell, Visit&& visit) {
   const auto width = static_cast<std::size_t>(ground.width);

@@ -16,10 +16,12 @@
 #include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/door_lines.h"
+#include "core/rooms/door_odds.h"
 #include "core/rooms/ground.h"
 #include "core/rooms/passage_silence.h"
 #include "core/rooms/region_graph.h"
 #include "core/rooms/region_map.h"
+#include "core/rooms/surroundings.h"
 
 namespace enfilade::rooms {
 namespace {
@@ -50,6 +52,7 @@ class Partitioner {
     std::vector<DoorCandidate> lines;
     for (const DoorLine& line : lines_) lines.push_back(line.line);
     cut_ = CutAlong(ground_, field_, lines);
+    LookAround();
     Cluster();
     AbsorbSmall();
     RoomPartition partition;
@@ -61,6 +64,12 @@ class Partitioner {
   }
 
  private:
+  // Judges the lines again by what is around them.
+  void LookAround() {
+    const std::vector<LineSides> sides = SurroundingsOf(ground_, cut_, lines_);
+    for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i].openness = OpennessOf(ValuesOf(lines_[i], sides[i]));
+  }
+
   void Cluster() {
     std::vector<RegionBorder> borders;
     for (std::size_t i = 0; i < lines_.size(); ++i) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rooms of floor plans with ground truth, and of simulated drives mapped by SLAM, as JSON on standard output:
-//   bench_rooms [--plans DIR] [--buildings N] [--first-seed S] [--campus NAME]... [--laps N] [--reports] [--list]
-//     [--plots DIR] [--candidates FILE]
-// PLANS is a folder with NAME.png, NAME_furnitures.png and NAME_gt_segmentation.png. --candidates writes what is known
-// about each narrow place and whether it is a door in truth: fit_door_trees fits the odds of core/rooms to it.
+//   bench_rooms [--plans DIR] [--coloured FILE]... [--buildings N] [--first-seed S] [--campus NAME]... [--laps N]
+//     [--reports] [--list] [--plots DIR] [--candidates FILE] [--lines FILE]
+// --plans is a folder with NAME.png, NAME_furnitures.png and NAME_gt_segmentation.png; --coloured are robots' maps
+// whose rooms people have coloured (support/true_plans.h). --candidates writes what is known about each narrow place
+// and whether it is a door in truth: fit_door_trees fits the odds of core/rooms to it.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -12,18 +13,21 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "client/cli/commands/offline/rooms_picture.h"
 #include "core/base/status_macros.h"
-#include "core/grid/files/plan_image.h"
 #include "core/rooms/door_lines.h"
 #include "core/rooms/passage_silence.h"
+#include "core/rooms/region_map.h"
 #include "core/rooms/room_partition.h"
+#include "core/rooms/surroundings.h"
 #include "fmt/format.h"
 #include "io/file.h"
 #include "tests/bench/support/mapped_drive.h"
+#include "tests/bench/support/true_plans.h"
 #include "tests/support/room_scores.h"
 
 namespace enfilade::bench {
@@ -31,6 +35,7 @@ namespace {
 
 struct RoomsBenchOptions {
   std::string plans;
+  std::vector<std::string> coloured;
   int buildings = 0;
   std::uint64_t first_seed = 6001;
   std::vector<std::string> campuses;
@@ -39,6 +44,7 @@ struct RoomsBenchOptions {
   std::string cache;
   std::string plots;
   std::string candidates;
+  std::string lines;
   bool list = false;
 };
 
@@ -46,11 +52,22 @@ class RoomsBench {
  public:
   explicit RoomsBench(const RoomsBenchOptions& options) : options_(options) {
     if (!options.candidates.empty()) candidates_.open(options.candidates);
+    if (!options.lines.empty()) lines_.open(options.lines);
   }
 
   absl::Status Run() {
     if (!options_.plans.empty()) {
-      for (const char* kind : {"", "_furnitures"}) ENFILADE_RETURN_IF_ERROR(ScorePlans(kind));
+      for (const auto& [key, kind] : {std::pair("empty_plans", ""), std::pair("furnished_plans", "_furnitures")}) {
+        ENFILADE_ASSIGN_OR_RETURN(const std::vector<TruePlan> plans, ReadTruePlans(options_.plans, kind));
+        ENFILADE_RETURN_IF_ERROR(ScorePlans(key, plans));
+      }
+    }
+    if (!options_.coloured.empty()) {
+      std::vector<TruePlan> plans;
+      for (const std::string& file : options_.coloured) {
+        ENFILADE_ASSIGN_OR_RETURN(plans.emplace_back(), ReadColouredPlan(file));
+      }
+      ENFILADE_RETURN_IF_ERROR(ScorePlans("robots_maps", plans));
     }
     std::vector<std::string> buildings;
     for (int i = 0; i < options_.buildings; ++i) {
@@ -63,43 +80,31 @@ class RoomsBench {
   }
 
  private:
-  absl::Status ScorePlans(const std::string& kind) {
-    const std::string truth_suffix = "_gt_segmentation.png";
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(options_.plans)) {
-      const std::string name = entry.path().filename().string();
-      if (name.ends_with(truth_suffix)) names.push_back(name.substr(0, name.size() - truth_suffix.size()));
-    }
-    std::sort(names.begin(), names.end());
+  absl::Status ScorePlans(const std::string& key, const std::vector<TruePlan>& plans) {
     testing::PlanScore sum;
     nlohmann::json list = nlohmann::json::array();
-    for (const std::string& name : names) {
-      const std::filesystem::path folder(options_.plans);
-      ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid plan, ReadPlan(folder / (name + kind + ".png")));
-      ENFILADE_ASSIGN_OR_RETURN(const grid::OccupancyGrid truth, ReadPlan(folder / (name + truth_suffix)));
+    for (const TruePlan& plan : plans) {
       const auto begin = std::chrono::steady_clock::now();
-      const rooms::RoomPartition partition = rooms::PartitionRooms(plan);
+      const rooms::RoomPartition partition = rooms::PartitionRooms(plan.map);
       const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-      const testing::PlanScore score = testing::ScorePlan(partition, truth);
-      ENFILADE_RETURN_IF_ERROR(Plot(name + kind, plan, partition));
-      if (candidates_.is_open()) {
-        const std::vector<int> pieces = testing::RoomsOfTruth(truth);
-        WriteCandidates(name + kind, plan, {}, [&](const Eigen::Vector2d& p) {
-          const int x = static_cast<int>(p.x() / truth.geometry.resolution);
-          const int y = static_cast<int>(p.y() / truth.geometry.resolution);
-          return truth.geometry.contains(x, y) ? pieces[truth.geometry.index(x, y)] : 0;
-        });
-      }
+      const testing::PlanScore score = testing::ScorePlan(partition, plan.rooms);
+      ENFILADE_RETURN_IF_ERROR(Plot(plan.name, plan.map, partition));
+      const grid::GridGeometry& geometry = plan.map.geometry;
+      const auto room_at = [&](const Eigen::Vector2d& p) {
+        const int x = static_cast<int>(p.x() / geometry.resolution);
+        const int y = static_cast<int>(p.y() / geometry.resolution);
+        return geometry.contains(x, y) ? plan.rooms[geometry.index(x, y)] : 0;
+      };
+      Write(plan.name, plan.map, {}, room_at);
       sum.rooms += score.rooms;
       sum.found += score.found;
       sum.segments += score.segments;
       list.push_back(ToJson(score));
-      list.back()["plan"] = name + kind;
+      list.back()["plan"] = plan.name;
       list.back()["seconds"] = seconds.count();
     }
-    nlohmann::json& result = document_[kind.empty() ? "empty_plans" : "furnished_plans"];
-    result = ToJson(sum);
-    if (options_.list) result["plans"] = list;
+    document_[key] = ToJson(sum);
+    if (options_.list) document_[key]["plans"] = list;
     return absl::OkStatus();
   }
 
@@ -122,12 +127,11 @@ class RoomsBench {
       const rooms::RoomPartition partition = rooms::PartitionRooms(mapped.grid, {}, {reported, trajectory});
       const testing::DriveScore score = testing::ScoreDrive(partition, mapped.drive, mapped.passages);
       ENFILADE_RETURN_IF_ERROR(Plot(campus, mapped.grid, partition));
-      if (candidates_.is_open()) {
-        WriteCandidates(campus, mapped.grid, {reported, trajectory}, [&](const Eigen::Vector2d& p_map) {
-          const simulator::Area* area = mapped.campus.AreaAt(mapped.level, mapped.T_campus_map * p_map);
-          return area == nullptr ? 0 : static_cast<int>(area - mapped.campus.areas.data()) + 1;
-        });
-      }
+      const auto room_at = [&](const Eigen::Vector2d& p_map) {
+        const simulator::Area* area = mapped.campus.AreaAt(mapped.level, mapped.T_campus_map * p_map);
+        return area == nullptr ? 0 : static_cast<int>(area - mapped.campus.areas.data()) + 1;
+      };
+      Write(campus, mapped.grid, {reported, trajectory}, room_at);
       exact += score.exact() ? 1 : 0;
       areas += score.areas;
       doubled += score.doubled;
@@ -154,11 +158,6 @@ class RoomsBench {
     return colon == std::string::npos ? 1 : std::stoull(campus.substr(colon + 1));
   }
 
-  static absl::StatusOr<grid::OccupancyGrid> ReadPlan(const std::filesystem::path& path) {
-    ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
-    return grid::ReadPlan(bytes);
-  }
-
   static nlohmann::json ToJson(const testing::PlanScore& score) {
     return {{"rooms", score.rooms},
             {"found", score.found},
@@ -183,42 +182,89 @@ class RoomsBench {
     return io::WriteFile(std::filesystem::path(options_.plots) / (name + ".png"), png);
   }
 
-  // A line for each candidate of which the truth is known: room_at(p_map) is the true room, 0 none.
+  // The lines along which a map is cut, before silence counts.
+  struct ChosenLines {
+    rooms::GroundMap ground;
+    rooms::DistanceField field;
+    std::vector<rooms::DoorLine> lines;
+  };
+
+  static ChosenLines Choose(const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known) {
+    const rooms::RoomOptions options;
+    ChosenLines chosen;
+    chosen.ground = rooms::ReadGround(grid, options, known.trajectory);
+    chosen.field = rooms::DistancesToWalls(chosen.ground);
+    chosen.lines = rooms::FindDoorLines(chosen.ground, chosen.field, options);
+    rooms::AddNarrowsOnPath(chosen.ground, grid.geometry, known.trajectory, options, chosen.lines);
+    rooms::AddPassages(chosen.ground, grid.geometry, known.passages, chosen.lines);
+    return chosen;
+  }
+
+  // What --candidates and --lines ask for. room_at(p_map) is the true room, 0 none.
+  template <typename RoomAt>
+  void Write(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
+             RoomAt&& room_at) {
+    if (candidates_.is_open()) WriteCandidates(name, grid, known, room_at);
+    if (lines_.is_open()) WriteLines(name, grid, known, room_at);
+  }
+
+  // A row for each candidate.
   template <typename RoomAt>
   void WriteCandidates(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
                        RoomAt&& room_at) {
-    const rooms::RoomOptions options;
-    const rooms::GroundMap ground = rooms::ReadGround(grid, options, known.trajectory);
-    const rooms::DistanceField field = rooms::DistancesToWalls(ground);
-    std::vector<rooms::DoorLine> lines = rooms::FindDoorLines(ground, field, options);
-    rooms::AddNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
-    rooms::AddPassages(ground, grid.geometry, known.passages, lines);
+    auto [ground, field, lines] = Choose(grid, known);
     // Those that are taken for no door, too.
     const std::vector<rooms::DoorLine> others =
-        rooms::JudgeNarrowsOnPath(ground, grid.geometry, known.trajectory, options, lines);
+        rooms::JudgeNarrowsOnPath(ground, grid.geometry, known.trajectory, rooms::RoomOptions(), lines);
     lines.insert(lines.end(), others.begin(), others.end());
     rooms::WeighSilence(grid.geometry, known, lines);
     for (const rooms::DoorLine& line : lines) {
-      const Eigen::Vector2d a = rooms::ToMap(grid.geometry, line.line.a);
-      const Eigen::Vector2d b = rooms::ToMap(grid.geometry, line.line.b);
-      const Eigen::Vector2d along = (b - a).normalized();
-      const Eigen::Vector2d aside(-along.y(), along.x());
-      int before = 0;
-      int behind = 0;
-      for (const double distance : {0.35, 0.5, 0.7}) {
-        if (before == 0) before = room_at((a + b) / 2.0 + distance * aside);
-        if (behind == 0) behind = room_at((a + b) / 2.0 - distance * aside);
-      }
-      const int truth = before == 0 || behind == 0 ? -1 : (before != behind ? 1 : 0);
-      candidates_ << fmt::format("{},{},{:.2f},{:.2f},{:.2f},{:.2f}", name, truth, a.x(), a.y(), b.x(), b.y());
-      for (const double value : rooms::ValuesOf(line.evidence)) candidates_ << fmt::format(",{:.3f}", value);
-      candidates_ << fmt::format(",{:.3f}\n", line.openness);
+      WriteRow(candidates_, NameAndTruth(name, grid.geometry, line.line, room_at), rooms::ValuesOf(line.evidence));
     }
+  }
+
+  // A row for each line that was chosen, with its surroundings.
+  template <typename RoomAt>
+  void WriteLines(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
+                  RoomAt&& room_at) {
+    auto [ground, field, lines] = Choose(grid, known);
+    rooms::WeighSilence(grid.geometry, known, lines);
+    std::vector<rooms::DoorCandidate> cuts;
+    for (const rooms::DoorLine& line : lines) cuts.push_back(line.line);
+    const std::vector<rooms::LineSides> sides =
+        rooms::SurroundingsOf(ground, rooms::CutAlong(ground, field, cuts), lines);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      WriteRow(lines_, NameAndTruth(name, grid.geometry, lines[i].line, room_at), rooms::ValuesOf(lines[i], sides[i]));
+    }
+  }
+
+  static void WriteRow(std::ofstream& file, const std::string& head, std::span<const double> values) {
+    file << head;
+    for (const double value : values) file << fmt::format(",{:.3f}", value);
+    file << '\n';
+  }
+
+  template <typename RoomAt>
+  static std::string NameAndTruth(const std::string& name, const grid::GridGeometry& geometry,
+                                  const rooms::DoorCandidate& line, RoomAt&& room_at) {
+    const Eigen::Vector2d a = rooms::ToMap(geometry, line.a);
+    const Eigen::Vector2d b = rooms::ToMap(geometry, line.b);
+    const Eigen::Vector2d along = (b - a).normalized();
+    const Eigen::Vector2d aside(-along.y(), along.x());
+    int before = 0;
+    int behind = 0;
+    for (const double distance : {0.35, 0.5, 0.7}) {
+      if (before == 0) before = room_at((a + b) / 2.0 + distance * aside);
+      if (behind == 0) behind = room_at((a + b) / 2.0 - distance * aside);
+    }
+    const int truth = before == 0 || behind == 0 ? -1 : (before != behind ? 1 : 0);
+    return fmt::format("{},{},{:.2f},{:.2f},{:.2f},{:.2f}", name, truth, a.x(), a.y(), b.x(), b.y());
   }
 
   const RoomsBenchOptions& options_;
   nlohmann::json document_;
   std::ofstream candidates_;
+  std::ofstream lines_;
 };
 
 }  // namespace
@@ -228,6 +274,7 @@ int main(int argc, char** argv) {
   enfilade::bench::RoomsBenchOptions options;
   CLI::App app("Rooms of plans and of simulated drives");
   app.add_option("--plans", options.plans, "A folder of floor plans with ground truth");
+  app.add_option("--coloured", options.coloured, "Robots' maps whose rooms are coloured: gt_colored_NAME.png");
   app.add_option("--buildings", options.buildings, "How many random buildings")->capture_default_str();
   app.add_option("--first-seed", options.first_seed, "Of the first building")->capture_default_str();
   app.add_option("--campus", options.campuses, "A shipped campus, or random:SEED");
@@ -235,7 +282,8 @@ int main(int argc, char** argv) {
   app.add_flag("--reports", options.reports, "With the passages that the robot's door detector reports");
   app.add_option("--cache", options.cache, "Keep the maps of the drives in this folder");
   app.add_option("--plots", options.plots, "Write a PNG of each map into this folder");
-  app.add_option("--candidates", options.candidates, "Write the narrow places and their truth as CSV");
+  app.add_option("--candidates", options.candidates, "Write the candidates and their truth as CSV");
+  app.add_option("--lines", options.lines, "Write the lines that are cut, what surrounds them and their truth as CSV");
   app.add_flag("--list", options.list, "Also the single plans, and the drives that are not exact");
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = enfilade::bench::RoomsBench(options).Run();

@@ -16,40 +16,6 @@ constexpr double kLeastArea = 2.0;  // m^2
 constexpr double kLeastIou = 0.7;
 constexpr double kNearPassage = 1.0;  // m
 
-// The connected pieces of free cells, from 1; 0: not free.
-std::vector<int> PiecesOf(const grid::OccupancyGrid& grid, std::vector<std::int64_t>& sizes) {
-  const grid::GridGeometry& geometry = grid.geometry;
-  const auto free = [&](std::size_t cell) {
-    return grid.cells[cell] != grid::kUnknownCell && grid::ProbabilityOfCell(grid.cells[cell]) < 0.25;
-  };
-  std::vector<int> pieces(grid.cells.size(), 0);
-  sizes.assign(1, 0);
-  const auto width = static_cast<std::size_t>(geometry.width);
-  std::vector<std::size_t> stack;
-  for (std::size_t start = 0; start < pieces.size(); ++start) {
-    if (pieces[start] != 0 || !free(start)) continue;
-    const int piece = static_cast<int>(sizes.size());
-    sizes.push_back(0);
-    stack.assign(1, start);
-    pieces[start] = piece;
-    const auto visit = [&](std::size_t cell) {
-      if (pieces[cell] != 0 || !free(cell)) return;
-      pieces[cell] = piece;
-      stack.push_back(cell);
-    };
-    while (!stack.empty()) {
-      const std::size_t cell = stack.back();
-      stack.pop_back();
-      ++sizes.back();
-      if (cell % width > 0) visit(cell - 1);
-      if (cell % width + 1 < width) visit(cell + 1);
-      if (cell >= width) visit(cell - width);
-      if (cell + width < pieces.size()) visit(cell + width);
-    }
-  }
-  return pieces;
-}
-
 // A change of the room along the drive.
 struct RoomChange {
   Eigen::Vector2d p_map;
@@ -79,28 +45,51 @@ std::vector<int> RoomsAlong(const rooms::RoomPartition& partition, std::span<con
 }  // namespace
 
 std::vector<int> RoomsOfTruth(const grid::OccupancyGrid& truth) {
-  std::vector<std::int64_t> sizes;
-  return PiecesOf(truth, sizes);
+  const auto free = [&](std::size_t cell) {
+    return truth.cells[cell] != grid::kUnknownCell && grid::ProbabilityOfCell(truth.cells[cell]) < 0.25;
+  };
+  std::vector<int> pieces(truth.cells.size(), 0);
+  int count = 0;
+  const auto width = static_cast<std::size_t>(truth.geometry.width);
+  std::vector<std::size_t> stack;
+  for (std::size_t start = 0; start < pieces.size(); ++start) {
+    if (pieces[start] != 0 || !free(start)) continue;
+    const int piece = ++count;
+    stack.assign(1, start);
+    pieces[start] = piece;
+    const auto visit = [&](std::size_t cell) {
+      if (pieces[cell] != 0 || !free(cell)) return;
+      pieces[cell] = piece;
+      stack.push_back(cell);
+    };
+    while (!stack.empty()) {
+      const std::size_t cell = stack.back();
+      stack.pop_back();
+      if (cell % width > 0) visit(cell - 1);
+      if (cell % width + 1 < width) visit(cell + 1);
+      if (cell >= width) visit(cell - width);
+      if (cell + width < pieces.size()) visit(cell + width);
+    }
+  }
+  return pieces;
 }
 
-PlanScore ScorePlan(const rooms::RoomPartition& partition, const grid::OccupancyGrid& truth) {
-  std::vector<std::int64_t> sizes;
-  const std::vector<int> pieces = PiecesOf(truth, sizes);
+PlanScore ScorePlan(const rooms::RoomPartition& partition, std::span<const int> truth) {
   std::map<std::pair<int, int>, std::int64_t> common;
+  std::map<int, std::int64_t> sizes;
   std::vector<std::int64_t> segment_sizes(partition.rooms.size() + 1, 0);
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
+  for (std::size_t i = 0; i < truth.size(); ++i) {
     ++segment_sizes[partition.labels[i]];
-    if (pieces[i] > 0 && partition.labels[i] > 0) ++common[{pieces[i], partition.labels[i]}];
+    if (truth[i] > 0) ++sizes[truth[i]];
+    if (truth[i] > 0 && partition.labels[i] > 0) ++common[{truth[i], partition.labels[i]}];
   }
   const double cell = partition.geometry.resolution * partition.geometry.resolution;
   PlanScore score;
   score.segments = static_cast<int>(partition.rooms.size());
-  for (std::size_t piece = 1; piece < sizes.size(); ++piece) {
-    score.rooms += static_cast<double>(sizes[piece]) * cell > kLeastArea ? 1 : 0;
-  }
+  for (const auto& [room, size] : sizes) score.rooms += static_cast<double>(size) * cell > kLeastArea ? 1 : 0;
   // An overlap of more than half excludes a second one, so that no segment is used twice.
   for (const auto& [pair, cells] : common) {
-    const std::int64_t size = sizes[static_cast<std::size_t>(pair.first)];
+    const std::int64_t size = sizes[pair.first];
     const std::int64_t together = size + segment_sizes[static_cast<std::size_t>(pair.second)] - cells;
     const bool found = static_cast<double>(cells) >= kLeastIou * static_cast<double>(together);
     if (found && static_cast<double>(size) * cell > kLeastArea) ++score.found;

@@ -20,12 +20,12 @@ struct PlanScore {
   int extra() const { return segments - found; }
 };
 
-// `truth`: the same plan with each door closed by a line, so that a room is a connected piece of free cells. Of the
-// same size as the partition.
-PlanScore ScorePlan(const rooms::RoomPartition& partition, const grid::OccupancyGrid& truth);
-
-// The true room of each cell by such a plan, from 1; 0: none.
+// The true room of each cell, from 1, by a plan with each door closed by a line, so that a room is a connected piece of
+// free cells; 0: none.
 std::vector<int> RoomsOfTruth(const grid::OccupancyGrid& truth);
+
+// `truth`: the true room of each of the partition's cells, from 1; 0: none.
+PlanScore ScorePlan(const rooms::RoomPartition& partition, std::span<const int> truth);
 
 // Where a robot was by its map, and by the truth.
 struct DrivePoint {
