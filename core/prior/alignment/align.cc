@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/parallel.h"
 #include "core/base/status_macros.h"
 #include "core/prior/alignment/aligner.h"
 #include "core/prior/alignment/directions.h"
+#include "core/prior/alignment/judged_places.h"
 
 namespace enfilade::prior {
 namespace {
@@ -52,13 +52,6 @@ std::string ObjectionTo(const Alignment& alignment, const AlignOptions& options)
                        100 * agreement.contradicted(), 100 * options.most_contradicted);
   }
   return "";
-}
-
-// `within`: m, how far the start may be from where the plan lies.
-Alignment RefinedFrom(const Aligner& aligner, Candidate start, double within) {
-  aligner.Judge(start);
-  const Candidate refined = aligner.BestModel(start, within);
-  return ToAlignment(refined.score >= start.score ? refined : start);
 }
 
 bool IsAllowed(const PlanTransform& transform, const AlignOptions& options) {
@@ -104,15 +97,10 @@ Alignment Verdict(const PlanGraph& plan, const std::vector<Candidate>& ranked, c
   return alignment;
 }
 
-struct Twin {
-  Candidate place;
-  double evidence;  // nats
-};
-
 // The places that fit nearly as well as the best, the likeliest first; none, if it is the only one or if they are too
 // many. `ranked`: the best one first.
-std::vector<Twin> TwinsOf(const PlanGraph& plan, const MapEvidence& evidence, const std::vector<Candidate>& ranked,
-                          const AlignOptions& options) {
+std::vector<JudgedPlace> TwinsOf(const PlanGraph& plan, const MapEvidence& evidence,
+                                 const std::vector<Candidate>& ranked, const AlignOptions& options) {
   if (ranked.empty() || options.log_evidence == nullptr) return {};
   const auto end_of = [&](double ratio) {
     return std::find_if(ranked.begin(), ranked.end(),
@@ -123,23 +111,17 @@ std::vector<Twin> TwinsOf(const PlanGraph& plan, const MapEvidence& evidence, co
     end = end_of(NeededRatio(ranked.front().transform, options.least_rival_ratio, options));
   const auto count = static_cast<std::size_t>(end - ranked.begin());
   if (count < 2 || count > options.most_twins) return {};
-  std::vector<Twin> twins(count);
-  ForEachIndex(count, options.threads, [&](std::size_t i) {
-    twins[i] = {ranked[i], options.log_evidence(plan, evidence, ranked[i].transform)};
-  });
-  std::stable_sort(twins.begin(), twins.end(), [](const Twin& a, const Twin& b) { return a.evidence > b.evidence; });
-  return twins;
+  return JudgedByEvidence(plan, evidence, {ranked.begin(), end}, options);
 }
 
 // Whether of a few places that fit nearly alike the likeliest is believed: only if it also fits best, as a correction
 // may have gone astray at one of them. `refused`: what is said of them else.
-Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<Twin>& twins, const Alignment& refused,
+Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<JudgedPlace>& twins, const Alignment& refused,
                          const AlignOptions& options) {
   const Candidate& best = twins[0].place;
   const double margin = twins[0].evidence - twins[1].evidence;
-  const bool is_odd = best.transform.mirrored() && !twins[1].place.transform.mirrored() && !options.known_shape;
   Alignment alignment = ToAlignment(best);
-  if (margin < options.least_evidence + (is_odd ? options.mirror_evidence : 0)) return refused;
+  if (margin < NeededEvidence(best.transform, twins[1].place.transform, options)) return refused;
   if (!ObjectionTo(alignment, options).empty()) return refused;
   double rival = 0;
   for (auto other = twins.begin() + 1; other != twins.end(); ++other) rival = std::max(rival, other->place.score);
@@ -180,11 +162,12 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
   }
   ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
   const Aligner aligner(plan, evidence, options);
-  Alignment alignment = RefinedFrom(aligner, {.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0);
+  Alignment alignment =
+      ToAlignment(aligner.RefinedFrom({.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0));
   const auto try_others = [&](const std::vector<PlanTransform>& others, TransformModel model) {
     for (const PlanTransform& other : others) {
       if (!IsAllowed(other, options)) continue;
-      Alignment next = RefinedFrom(aligner, {.transform = other, .model = model, .agreement = {}}, 3.0);
+      Alignment next = ToAlignment(aligner.RefinedFrom({.transform = other, .model = model, .agreement = {}}, 3.0));
       if (IsBetter(next, alignment, options)) alignment = std::move(next);
     }
   };
@@ -205,7 +188,7 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 Alignment AlignFrom(const PlanGraph& plan, const MapEvidence& evidence, const PlanTransform& start,
                     const AlignOptions& options) {
   const Aligner aligner(plan, evidence, options);
-  Alignment alignment = RefinedFrom(aligner, {.transform = start, .agreement = {}}, 1.0);
+  Alignment alignment = ToAlignment(aligner.RefinedFrom({.transform = start, .agreement = {}}, 1.0));
   alignment.reason = ObjectionTo(alignment, options);
   alignment.accepted = alignment.reason.empty();
   if (alignment.accepted) alignment.reason = "fits where it was placed before";
@@ -231,7 +214,7 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
     const Alignment stretched = Verdict(plan, all, strict);
     if (stretched.accepted) return stretched;
   }
-  const std::vector<Twin> twins = TwinsOf(plan, evidence, all, options);
+  const std::vector<JudgedPlace> twins = TwinsOf(plan, evidence, all, options);
   if (twins.empty()) return alignment;
   const bool found_plain = std::any_of(plain.begin(), plain.end(), [&](const Candidate& candidate) {
     return aligner.IsSamePlace(candidate.transform, twins.front().place.transform);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -53,9 +55,15 @@ struct AlignOptions {
   double most_left = 0.9;
   // Only places like this one: its size within kKnownScale, its stretch, and mirrored if it is.
   std::optional<PlanTransform> known_shape = std::nullopt;
+  // Only scales (m per unit) from the first to the second.
+  std::optional<std::pair<double, double>> known_scales = std::nullopt;
+  // Asked now and then, on any thread. Once it is true, work ends soon and what comes out means nothing.
+  std::function<bool()> is_stopped = nullptr;
   // What is independent is computed on so many threads. The result is the same with any number.
   int threads = 1;
 };
+
+inline bool IsStopped(const AlignOptions& options) { return options.is_stopped && options.is_stopped(); }
 
 constexpr double kKnownScale = 0.03;
 

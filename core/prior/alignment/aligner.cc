@@ -47,9 +47,12 @@ std::vector<PlanShape> BestShapes(const std::vector<Candidate>& sorted) {
 }
 
 // The best offsets of each shape, the best of all first.
-std::vector<Candidate> FindAll(const SheetSearch& search, const std::vector<PlanShape>& shapes, int threads) {
+std::vector<Candidate> FindAll(const SheetSearch& search, const std::vector<PlanShape>& shapes,
+                               const AlignOptions& options) {
   std::vector<std::vector<FoundTransform>> places(shapes.size());
-  ForEachIndex(shapes.size(), threads, [&](std::size_t i) { places[i] = search.Find(shapes[i].linear); });
+  ForEachIndex(shapes.size(), options.threads, [&](std::size_t i) {
+    if (!IsStopped(options)) places[i] = search.Find(shapes[i].linear);
+  });
   std::vector<Candidate> found;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     for (const FoundTransform& place : places[i]) {
@@ -87,11 +90,14 @@ bool Aligner::IsSamePlace(const PlanTransform& a, const PlanTransform& b) const 
 
 std::vector<Candidate> Aligner::Search(Stretch stretch) const {
   const SheetSearch coarse(faces_, evidence_, kCoarseCells);
+  const std::vector<double> scales = options_.known_scales
+                                         ? ScalesBetween(options_.known_scales->first, options_.known_scales->second)
+                                         : coarse.Scales();
   const std::vector<PlanShape> shapes =
       options_.known_shape ? TurnsOf(*options_.known_shape, faces_, evidence_, {1 - kKnownScale, 1.0, 1 + kKnownScale})
-                           : ShapesToTry(faces_, evidence_, coarse.Scales(), stretch);
-  const std::vector<PlanShape> likely = BestShapes(FindAll(coarse, shapes, options_.threads));
-  return Distinct(FindAll(SheetSearch(faces_, evidence_, kFineCells), likely, options_.threads), 0.03 * search_radius(),
+                           : ShapesToTry(faces_, evidence_, scales, stretch);
+  const std::vector<PlanShape> likely = BestShapes(FindAll(coarse, shapes, options_));
+  return Distinct(FindAll(SheetSearch(faces_, evidence_, kFineCells), likely, options_), 0.03 * search_radius(),
                   kMostCandidates);
 }
 
@@ -113,7 +119,7 @@ std::vector<Candidate> Aligner::Twins(const Candidate& candidate) const {
     if (options_.known_shape && signs.prod() < 0) continue;  // which is known to be mirrored or not
     shapes.push_back({candidate.transform.linear * axes * signs.asDiagonal() * axes.transpose(), candidate.model});
   }
-  std::vector<Candidate> twins = FindAll(SheetSearch(faces_, evidence_, kFineCells), shapes, options_.threads);
+  std::vector<Candidate> twins = FindAll(SheetSearch(faces_, evidence_, kFineCells), shapes, options_);
   RefineAll(twins, kQuickly);
   twins = Distinct(twins, kSamePlace, kMostTwins);
   ForEachIndex(twins.size(), options_.threads, [&](std::size_t i) { twins[i] = BestModel(twins[i], 1.5); });
@@ -134,6 +140,7 @@ std::vector<Candidate> Aligner::Ranked(std::vector<Candidate> candidates) const 
 
 void Aligner::RefineAll(std::vector<Candidate>& candidates, const RefineOptions& options) const {
   ForEachIndex(candidates.size(), options_.threads, [&](std::size_t i) {
+    if (IsStopped(options_)) return;
     candidates[i].transform = Refine(faces_, evidence_, candidates[i].transform, options);
     Judge(candidates[i]);
   });
@@ -149,7 +156,7 @@ Candidate Aligner::BestModel(const Candidate& start, double widest) const {
   Candidate best = start;
   for (const TransformModel model :
        {TransformModel::kSimilarity, TransformModel::kAnisotropic, TransformModel::kAffine}) {
-    if (FreedomOf(model) > FreedomOf(options_.widest_model)) break;
+    if (FreedomOf(model) > FreedomOf(options_.widest_model) || IsStopped(options_)) break;
     Candidate next = best;
     next.model = std::max(model, start.model);
     next.transform = Refine(faces_, evidence_, best.transform,
@@ -159,6 +166,12 @@ Candidate Aligner::BestModel(const Candidate& start, double widest) const {
     if (model == TransformModel::kSimilarity || 1 - next.score < most_left * (1 - best.score)) best = next;
   }
   return best;
+}
+
+Candidate Aligner::RefinedFrom(Candidate start, double within) const {
+  Judge(start);
+  const Candidate refined = BestModel(start, within);
+  return refined.score >= start.score ? refined : start;
 }
 
 // The place without its distortion, if that explains the map nearly as well.

@@ -40,6 +40,9 @@ class Aligner {
   void Judge(Candidate& candidate) const;
   // The simplest model, from that of the start on, that explains the map nearly as well as any.
   Candidate BestModel(const Candidate& start, double widest) const;
+  // The same from a place that nobody has judged, and that may be `within` (m) of where the plan lies; the start itself
+  // if that fits better.
+  Candidate RefinedFrom(Candidate start, double within) const;
   // Whether both put what the map knows of the plan to the same place, within a metre, straight or mirrored.
   bool IsSamePlace(const PlanTransform& a, const PlanTransform& b) const;
   // Whether all walls that it explains are parallel: they do not tell where along them it lies.

@@ -155,8 +155,12 @@ SheetSearch::SheetSearch(const std::vector<WallFace>& faces_sheet, const MapEvid
 std::vector<double> SheetSearch::Scales() const {
   const double smallest = 2 * map_radius_ / (kLargestMap * size_.norm());
   const double largest = 2 * map_radius_ / (kSmallestMap * size_.norm());
+  return ScalesBetween(smallest, largest);
+}
+
+std::vector<double> ScalesBetween(double least, double most) {
   std::vector<double> scales;
-  for (double scale = smallest; scale <= largest; scale *= kScaleStep) scales.push_back(scale);
+  for (double scale = least; scale <= most; scale *= kScaleStep) scales.push_back(scale);
   return scales;
 }
 

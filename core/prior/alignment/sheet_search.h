@@ -51,4 +51,7 @@ class SheetSearch {
   ComplexImage length_;
 };
 
+// So near to each other that the search misses no place between two of them, the smallest first.
+std::vector<double> ScalesBetween(double least, double most);
+
 }  // namespace enfilade::prior

@@ -26,6 +26,7 @@ PlanLocalizerOptions WithNav2Measurement(PlanLocalizerOptions options) {
   options.most_particles = 2000;
   options.alpha_slow = 0;
   options.alpha_fast = 0;
+  options.compare_rivals = false;
   return options;
 }
 

@@ -99,6 +99,8 @@ struct PlanLocalizerOptions {
   double confident_match = 0.5;     // share of hits within two standard deviations of a wall, lately
   double confident_distance = 3.0;  // m for which all of that must have held
   double lasting_mass = 0.8;        // that a mode needs to stay confident
+  // Unless two pairs or more say where the robot started, no mode is confident before its rivals are ruled out.
+  bool compare_rivals = true;
   // Added to a mode's covariance: where a place of the building is in a plan is no more certain than this.
   double sigma_floor = 0.02;  // m
   double yaw_floor = 0.005;   // rad

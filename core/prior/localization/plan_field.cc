@@ -20,7 +20,7 @@ std::vector<Eigen::Vector2d> PointsOn(const std::vector<WallFace>& faces, double
   return points;
 }
 
-PlanField::PlanField(const PlanGraph& plan, double metres_per_unit) : unit_(metres_per_unit) {
+PlanField::PlanField(const PlanGraph& plan, double metres_per_unit) : plan_(plan), unit_(metres_per_unit) {
   const PlanTransform to_plan{metres_per_unit * Eigen::Vector2d(1, -1).asDiagonal().toDenseMatrix(),
                               Eigen::Vector2d::Zero()};
   faces_ = Transformed(FacesOf(plan), to_plan);

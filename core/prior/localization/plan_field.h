@@ -35,6 +35,7 @@ class PlanField {
   Eigen::Vector2d ToPlan(const Eigen::Vector2d& sheet) const { return {unit_ * sheet.x(), -unit_ * sheet.y()}; }
   Eigen::Vector2d ToSheet(const Eigen::Vector2d& plan) const { return {plan.x() / unit_, -plan.y() / unit_}; }
 
+  const PlanGraph& plan() const { return plan_; }  // on the sheet
   double axis() const { return axis_; }  // rad, the direction of most walls: drawings are stretched along it or across
   double metres_per_unit() const { return unit_; }
   const std::vector<WallFace>& faces() const { return faces_; }  // in the plan frame
@@ -50,6 +51,7 @@ class PlanField {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column);
   }
 
+  PlanGraph plan_;
   double unit_;
   double axis_ = 0;
   std::vector<WallFace> faces_;

@@ -21,9 +21,22 @@ constexpr double kGateQuantile = 16.27;  // 99.9 % of chi squared with three deg
 constexpr double kMatchedGain = 0.15;    // for the mean of what was seen at the last looks
 constexpr double kSurveyDensity = 400;   // places tried per square metre
 constexpr std::uint64_t kSurveyRound = 1;
+constexpr int kLeastSurveys = 2;
 constexpr double kRecoveryDensity = 200;  // places tried per square metre
 
-enum class FilterDraw : std::uint64_t { kMotion = 1, kResample = 2, kRecover = 3 };
+// Rivals of a mode are compared at most so often, and once more when so much more has been seen.
+constexpr double kJudgedFrom = 8.0;            // m
+constexpr double kJudgedEach = 4.0;            // m ...
+constexpr double kJudgedShare = 0.2;           // ... and of the drive
+constexpr double kProvenShare = 1.0;           // of the drive
+constexpr double kProvenFor = 40.0;            // m, at most
+constexpr double kSameRobot = 2.0;             // m: how far apart a place puts what another puts at one point ...
+constexpr double kSameRobotPerMetre = 0.03;    // ... and by how much more per metre that is driven since
+constexpr double kSameTurn = 0.4;              // rad
+constexpr std::size_t kMovedParticles = 1000;  // for each place
+constexpr double kMovedShare = 0.9;            // of all weight
+
+enum class FilterDraw : std::uint64_t { kMotion = 1, kResample = 2, kRecover = 3, kMoved = 4 };
 
 // One noise for each of the state's numbers.
 PlanState Disturbed(PlanState state, const Pose2& motion, Noise noise, const PlanLocalizerOptions& options) {
@@ -51,7 +64,12 @@ bool IsNarrow(const PlanMode& mode, const PlanLocalizerOptions& options) {
 
 PlanLocalizer::PlanLocalizer(const PlanField& field, const std::vector<ControlPair>& pairs,
                              const PlanLocalizerOptions& options, KeepGoing keep_going)
-    : field_(field), pairs_(pairs), options_(options), keep_going_(std::move(keep_going)) {}
+    : field_(field),
+      pairs_(pairs),
+      options_(options),
+      keep_going_(std::move(keep_going)),
+      rivals_(field, pairs, options, keep_going_),
+      next_judged_(kJudgedFrom) {}
 
 PlanPosterior PlanLocalizer::Add(const PlanLook& look) {
   ++step_;
@@ -65,6 +83,7 @@ PlanPosterior PlanLocalizer::Add(const PlanLook& look) {
     if (hit.norm() <= options_.max_range) seen.points.push_back(look.T_map_robot * hit);
   }
   seen_.push_back(std::move(seen));
+  if (IsRivalled()) rivals_.Add(look, travelled_);
   while (seen_.size() > 1 && seen_.front().travelled < travelled_ - options_.recent) seen_.pop_front();
 
   if (particles_.empty()) {
@@ -84,6 +103,7 @@ void PlanLocalizer::Start(const Pose2& T_map_robot) {
   } else if (travelled_ >= options_.global_distance) {
     particles_ =
         StartAnywhere(field_, RecentPoints(T_map_robot), {most, 0, options_.global_density}, options_, keep_going_);
+    if (!particles_.empty()) rivals_.Remember(ModesOf(particles_, field_.axis(), options_), T_map_robot);
   }
   surveyed_ = travelled_;
   since_update_ = 0;
@@ -136,7 +156,7 @@ void PlanLocalizer::Weigh(const PlanLook& look) {
   slow_ = slow_ > 0 ? slow_ + options_.alpha_slow * (mean - slow_) : mean;
   fast_ = fast_ > 0 ? fast_ + options_.alpha_fast * (mean - fast_) : mean;
   if (EffectiveCount(particles_) < 0.5 * static_cast<double>(particles_.size())) Resample();
-  const bool surveying = pairs_.empty() && options_.survey_share > 0 && travelled_ <= options_.survey_until;
+  const bool surveying = pairs_.empty() && options_.survey_share > 0 && travelled_ <= options_.survey_until && !proven_;
   if (surveying && travelled_ - surveyed_ >= options_.survey_distance) Survey();
 }
 
@@ -147,6 +167,7 @@ void PlanLocalizer::Survey() {
   if (count == 0 || !T_map_last_) return;
   std::vector<PlanParticle> found = StartAnywhere(
       field_, RecentPoints(*T_map_last_), {count, Mix(step_, kSurveyRound), kSurveyDensity}, options_, keep_going_);
+  if (!found.empty()) rivals_.Remember(ModesOf(found, field_.axis(), options_), *T_map_last_);
   for (PlanParticle& particle : particles_) particle.weight *= 1 - options_.survey_share;
   for (PlanParticle& particle : found) {
     particle.weight *= options_.survey_share;
@@ -203,16 +224,71 @@ PlanPosterior PlanLocalizer::Report(const PlanLook& look) {
   const double matched = hits.MatchedAt(field_, best.mean);
   matched_ = matched_ > 0 ? matched_ + kMatchedGain * (matched - matched_) : matched;
   posterior.matched = matched_;
+  const bool is_held = IsHeld(best);
+  posterior.proven = !IsRivalled() || IsProven(posterior.modes, look.T_map_robot);
+  sure_ = is_held && posterior.proven;
+  if (sure_) last_sure_ = travelled_;
+  posterior.confident = sure_;
+  return posterior;
+}
+
+// Whether the mode looks certain, and has done so for a while.
+bool PlanLocalizer::IsHeld(const PlanMode& best) {
   if (best.mass < (sure_ ? options_.lasting_mass : options_.confident_mass) || !IsNarrow(best, options_)) {
     holding_since_.reset();
   } else if (!holding_since_) {
     holding_since_ = travelled_;
   }
-  sure_ = holding_since_ && travelled_ - *holding_since_ >= options_.confident_distance &&
-          matched_ >= options_.confident_match && (!pairs_.empty() || options_.survey_share <= 0 || surveys_ >= 2);
-  if (sure_) last_sure_ = travelled_;
-  posterior.confident = sure_;
-  return posterior;
+  return holding_since_ && travelled_ - *holding_since_ >= options_.confident_distance &&
+         matched_ >= options_.confident_match && IsSearched();
+}
+
+// Whether it was looked for everywhere often enough.
+bool PlanLocalizer::IsSearched() const {
+  return !pairs_.empty() || options_.survey_share <= 0 || surveys_ >= kLeastSurveys;
+}
+
+bool PlanLocalizer::IsProven(const std::vector<PlanMode>& modes, const Pose2& T_map_robot) {
+  const bool is_due =
+      IsSearched() && (!proven_ || travelled_ >= std::min((1 + kProvenShare) * proven_at_, proven_at_ + kProvenFor) ||
+                       !IsAtProven(modes.front(), T_map_robot));
+  if (is_due && travelled_ >= next_judged_) Judge(modes, T_map_robot);
+  return IsAtProven(modes.front(), T_map_robot);
+}
+
+bool PlanLocalizer::IsAtProven(const PlanMode& mode, const Pose2& T_map_robot) const {
+  if (!proven_ || proven_->mirrored() != mode.mean.mirrored) return false;
+  const PlanState state = StateAt(field_, *proven_, T_map_robot);
+  const double off = (MetresOf(mode.mean, field_.axis()) * (mode.mean.translation() - state.translation())).norm();
+  return off <= kSameRobot + kSameRobotPerMetre * (travelled_ - proven_at_) &&
+         std::abs(WrapAngle(mode.mean.yaw - state.yaw)) <= kSameTurn;
+}
+
+void PlanLocalizer::Judge(const std::vector<PlanMode>& modes, const Pose2& T_map_robot) {
+  next_judged_ = travelled_ + std::max(kJudgedEach, kJudgedShare * travelled_);
+  const PlaceVerdict verdict = rivals_.Compare(modes, T_map_robot, !proven_);
+  if (verdict.proven) {
+    proven_ = verdict.proven;
+    proven_at_ = travelled_;
+  }
+  if (verdict.likelier.empty()) return;
+  if (!verdict.proven) proven_.reset();
+  MoveTo(verdict.likelier, T_map_robot);
+}
+
+// Most of the weight goes to places that are likelier than where it is now.
+void PlanLocalizer::MoveTo(const std::vector<PlanTransform>& places, const Pose2& T_map_robot) {
+  for (PlanParticle& particle : particles_) particle.weight *= 1 - kMovedShare;
+  const double weight = kMovedShare / static_cast<double>(kMovedParticles * places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const PlanState state = StateAt(field_, places[i], T_map_robot);
+    for (std::size_t k = 0; k < kMovedParticles; ++k) {
+      const Noise noise(
+          Mix(options_.seed, Mix(static_cast<std::uint64_t>(FilterDraw::kMoved), step_), i * kMovedParticles + k));
+      particles_.push_back({Spread(state, noise, options_), weight});
+    }
+  }
+  holding_since_.reset();
 }
 
 }  // namespace enfilade::prior

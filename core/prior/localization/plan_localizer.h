@@ -12,15 +12,11 @@
 #include "core/prior/localization/localizer_options.h"
 #include "core/prior/localization/particles.h"
 #include "core/prior/localization/plan_field.h"
+#include "core/prior/localization/plan_look.h"
 #include "core/prior/localization/plan_state.h"
+#include "core/prior/localization/rival_places.h"
 
 namespace enfilade::prior {
-
-// One look of the robot.
-struct PlanLook {
-  Pose2 T_map_robot;                  // by SLAM; only the motion from look to look counts
-  std::vector<Eigen::Vector2d> hits;  // ends of beams, in the robot's frame, m
-};
 
 // Where the robot may be after a look.
 struct PlanPosterior {
@@ -29,7 +25,9 @@ struct PlanPosterior {
   double effective = 0;         // particles, of them
   std::vector<PlanMode> modes;  // the heaviest first
   double matched = 0;           // share of what the robot has seen lately that is near walls, at the heaviest mode
-  // One mode has enough mass, is narrow, explains what the robot sees, and has done so for a while.
+  // The heaviest mode's rivals elsewhere are ruled out (RivalPlaces), or people have said where the robot started.
+  bool proven = false;
+  // One mode has enough mass, is narrow, explains what the robot sees, has done so for a while, and is proven.
   bool confident = false;
 };
 
@@ -59,12 +57,20 @@ class PlanLocalizer {
     std::vector<Eigen::Vector2d> points;  // in the map frame
   };
 
+  // Whether places elsewhere may be the right ones: people have not said where the robot is, and how it is turned.
+  bool IsRivalled() const { return options_.compare_rivals && options_.free_scale && pairs_.size() < 2; }
   void Start(const Pose2& T_map_robot);
   void Move(const Pose2& motion);
   void Weigh(const PlanLook& look);
   void Resample();
   void Survey();
   PlanPosterior Report(const PlanLook& look);
+  bool IsHeld(const PlanMode& best);
+  bool IsSearched() const;
+  bool IsProven(const std::vector<PlanMode>& modes, const Pose2& T_map_robot);
+  bool IsAtProven(const PlanMode& mode, const Pose2& T_map_robot) const;
+  void Judge(const std::vector<PlanMode>& modes, const Pose2& T_map_robot);
+  void MoveTo(const std::vector<PlanTransform>& places, const Pose2& T_map_robot);
   std::vector<Eigen::Vector2d> RecentPoints(const Pose2& T_map_robot) const;
 
   const PlanField& field_;
@@ -86,6 +92,10 @@ class PlanLocalizer {
   bool sure_ = false;                    // one mode was confident at the last look
   std::optional<double> last_sure_;      // m: where one was at last
   std::optional<double> holding_since_;  // m: where a mode began to be alone and narrow
+  RivalPlaces rivals_;
+  std::optional<PlanTransform> proven_;  // where the plan lies in the robot's map: all other places are ruled out
+  double proven_at_ = 0;                 // m: where that was found
+  double next_judged_;                   // m: no sooner are rivals compared
 };
 
 }  // namespace enfilade::prior

@@ -131,6 +131,19 @@ std::vector<PlanParticle> StartAtPairs(const PlanField& field, const std::vector
   return particles;
 }
 
+PlanState Spread(PlanState state, Noise noise, const PlanLocalizerOptions& options) {
+  constexpr double kAside = 0.15;  // m
+  constexpr double kTurned = 0.05;
+  constexpr double kScaled = 0.03;
+  state.x += kAside * noise.Normal();
+  state.y += kAside * noise.Normal();
+  state.yaw = WrapAngle(state.yaw + kTurned * noise.Normal());
+  if (!options.free_scale) return state;
+  state.log_scale += kScaled * noise.Normal();
+  state.log_stretch += kScaled * noise.Normal();
+  return state;
+}
+
 namespace {
 
 // The direction that most walls have, by the long cells of the normal distributions of what was seen, rad.
@@ -162,19 +175,6 @@ PlanState AnyPlace(const PlanField& field, const std::optional<double>& directio
     state.yaw = WrapAngle(field.axis() + turned + quarters + kTurnSigma * noise.Normal());
   }
   DrawScales(state, noise, options);
-  return state;
-}
-
-PlanState Spread(PlanState state, Noise noise, const PlanLocalizerOptions& options) {
-  constexpr double kAside = 0.15;  // m
-  constexpr double kTurned = 0.05;
-  constexpr double kScaled = 0.03;
-  state.x += kAside * noise.Normal();
-  state.y += kAside * noise.Normal();
-  state.yaw = WrapAngle(state.yaw + kTurned * noise.Normal());
-  if (!options.free_scale) return state;
-  state.log_scale += kScaled * noise.Normal();
-  state.log_stretch += kScaled * noise.Normal();
   return state;
 }
 

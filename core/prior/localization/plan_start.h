@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/noise.h"
 #include "core/geometry/pose2.h"
 #include "core/prior/alignment/control_pairs.h"
 #include "core/prior/localization/localizer_options.h"
@@ -31,6 +32,9 @@ constexpr double kUsualDoor = 0.9;  // m
 std::vector<PlanParticle> StartAtPairs(const PlanField& field, const std::vector<ControlPair>& pairs,
                                        const Pose2& T_map_robot, std::size_t count,
                                        const PlanLocalizerOptions& options);
+
+// A place near this one: as far off as places that a search has found.
+PlanState Spread(PlanState state, Noise noise, const PlanLocalizerOptions& options);
 
 // One search of a whole plan.
 struct WideSearch {

@@ -71,6 +71,10 @@ std::string ReasonOf(const prior::PlanPosterior& last, const prior::PlanLocalize
     return fmt::format("the place is known to {:.1f} m in one direction, as in a corridor: {:.1f} m are needed", width,
                        options.confident_sigma);
   }
+  if (!last.proven) {
+    return fmt::format("one place has {:.0f} % of the mass, but others are not ruled out yet: drive on",
+                       100 * best.mass);
+  }
   return fmt::format("one place has {:.0f} % of the mass, but has not held for long enough: drive on", 100 * best.mass);
 }
 
