@@ -2,7 +2,9 @@
 // Floor plans and buildings handled by the tool alone, against a real server.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "core/grid/files/map_files.h"
 #include "core/prior/formats/building_plan.h"
@@ -128,6 +130,26 @@ TEST_F(PriorCommands, ARobotIsLocatedInAPlanOfTheSiteAsInItsFile) {
   EXPECT_LT(std::abs(WrapAngle(in_file["modes"][0]["yaw"].get<double>() - stored["modes"][0]["yaw"].get<double>())),
             0.1);
   EXPECT_THAT(Try({"prior", "locate", "Cellar", log}).output, HasSubstr("is no file; as a plan of sites/s"));
+}
+
+TEST_F(PriorCommands, AServerThatIsKilledDuringAnAlignmentLosesNothing) {
+  ImportMap();
+  File("plan.geojson", prior::WriteGeoJsonPlan(prior::DrawnBuilding()));
+  Run({"prior", "add", File("plan.geojson"), "--name", "Ground floor"});
+  Run({"prior", "align", "Ground floor"});
+  const json before = Run({"prior", "show", "Ground floor"});
+  ASSERT_EQ(before["state"], "proposed");
+  CommandResult aligned;
+  std::thread caller([&] { aligned = Try({"prior", "align", "Ground floor", "--activate"}); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  system_.server().Kill();
+  system_.server().StartAndWait();
+  caller.join();
+  const json after = Run({"prior", "show", "Ground floor"});
+  EXPECT_TRUE(after == before || (aligned.exit_code == 0 && after["state"] == "active"))
+      << aligned.output << before.dump(1) << after.dump(1);
+  EXPECT_EQ(Run({"prior", "align", "Ground floor", "--activate"})["accepted"], true);
+  EXPECT_EQ(Run({"prior", "show", "Ground floor"})["state"], "active");
 }
 
 TEST_F(PriorCommands, AnImportedBuildingIsDrawn) {
