@@ -39,11 +39,11 @@ struct PlaceVerdict {
 // aligned with a whole map (alignment/align.h).
 class RivalPlaces {
  public:
-  // `pairs`: empty, or the one that people have shown: no place is more than kShown from there. `field` outlives it.
+  // `pairs`: empty, or the one that people have shown: no place is more than 3 m from there. `field` outlives it.
   RivalPlaces(const PlanField& field, const std::vector<ControlPair>& pairs, const PlanLocalizerOptions& options,
               const KeepGoing& keep_going);
 
-  // In order of time. What is further back than kHistory is forgotten.
+  // In order of time; `travelled`: m. Looks from more than 40 m before the last one are forgotten.
   void Add(const PlanLook& look, double travelled);
   // Places found by a search of the whole plan, instead of those before: rivals, too.
   void Remember(const std::vector<PlanMode>& found, const Pose2& T_map_robot);

@@ -27,8 +27,8 @@ constexpr std::chrono::milliseconds kGrace{500};
 constexpr std::chrono::milliseconds kCancellationCheck{50};
 // When a request to cancel is repeated, twice as long each time: one that reaches the database between two statements
 // cancels neither.
-constexpr std::chrono::milliseconds kCancelAgain{100};
-constexpr int kMostDoublings = 6;
+constexpr std::chrono::milliseconds kCancelAgain{1000};
+constexpr int kMostDoublings = 3;
 constexpr char kQueryCanceled[] = "57014";
 constexpr std::size_t kCopySlice = 1 << 20;
 constexpr int kOldestServer = 150000;

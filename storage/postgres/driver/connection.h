@@ -52,7 +52,7 @@ class Connection {
   // Outside BEGIN and COMMIT all of the queue is one transaction, committed with the flush.
   //
   // CANCELLED if the context's cancellation stopped a statement, which it does within a fraction of a second
-  // (PQcancel); the connection remains usable.
+  // (PQcancel), or a second and more if a request is lost. The connection remains usable if one request was enough.
   absl::StatusOr<std::vector<Result>> Flush(const CallContext& context);
 
   // COPY ... FROM STDIN (FORMAT binary) with the whole of `data` (see CopyBuffer). Nothing may be queued.
@@ -108,9 +108,9 @@ class Connection {
   std::vector<Queued> queue_;
   absl::Status queue_status_;
   std::int64_t statement_timeout_ms_ = 0;
-  int cancels_sent_ = 0;  // by the flush or copy under way
-  std::chrono::steady_clock::time_point next_cancel_{};
-  bool cancel_may_follow_ = false;  // a request to cancel was sent, and no statement was cancelled
+  int cancels_sent_ = 0;                                 // by the flush or copy under way
+  std::chrono::steady_clock::time_point next_cancel_{};  // when the next request may be sent
+  bool cancel_may_follow_ = false;  // more requests to cancel were sent than statements were cancelled
   bool broken_ = false;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/support/true_plans.h"
+#include "tests/bench/rooms/true_plans.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/support/mapped_drive.h"
+#include "tests/bench/rooms/mapped_drive.h"
 
 #include <algorithm>
 #include <cstring>

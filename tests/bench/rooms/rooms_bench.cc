@@ -3,7 +3,7 @@
 //   bench_rooms [--plans DIR] [--coloured FILE]... [--buildings N] [--first-seed S] [--campus NAME]... [--laps N]
 //     [--reports] [--list] [--plots DIR] [--candidates FILE] [--lines FILE]
 // --plans is a folder with NAME.png, NAME_furnitures.png and NAME_gt_segmentation.png; --coloured are robots' maps
-// whose rooms people have coloured (support/true_plans.h). --candidates writes what is known about each narrow place
+// whose rooms people have coloured (true_plans.h). --candidates writes what is known about each narrow place
 // and whether it is a door in truth: fit_door_trees fits the odds of core/rooms to it.
 
 #include <CLI/CLI.hpp>
@@ -26,8 +26,8 @@
 #include "core/rooms/surroundings.h"
 #include "fmt/format.h"
 #include "io/file.h"
-#include "tests/bench/support/mapped_drive.h"
-#include "tests/bench/support/true_plans.h"
+#include "tests/bench/rooms/mapped_drive.h"
+#include "tests/bench/rooms/true_plans.h"
 #include "tests/support/room_scores.h"
 
 namespace enfilade::bench {
