@@ -19,6 +19,7 @@ struct PassedDoor {
   int from = 0;    // rooms
   int to = 0;
   Pose2 T_level_door = {};  // in its middle, looking from `from` to `to`
+  int passages = 1;         // how often robots went through
 };
 
 bool JoinSameRooms(int a, int b, int c, int d) { return (a == c && b == d) || (a == d && b == c); }
@@ -33,7 +34,9 @@ double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, con
 PassedDoor DoorOf(const Crossing& crossing, const rooms::RoomPartition& partition, double reach) {
   const Eigen::Vector2d before = crossing.T_level_before.translation();
   const Eigen::Vector2d behind = crossing.T_level_behind.translation();
-  PassedDoor door{-1, crossing.from, crossing.to, Interpolate(crossing.T_level_before, crossing.T_level_behind, 0.5)};
+  PassedDoor door{.from = crossing.from,
+                  .to = crossing.to,
+                  .T_level_door = Interpolate(crossing.T_level_before, crossing.T_level_behind, 0.5)};
   const Eigen::Vector2d way = behind - before;
   if (way.norm() > 1e-3) door.T_level_door.yaw = std::atan2(way.y(), way.x());
   double nearest = reach;
@@ -65,12 +68,16 @@ class DoorArranger {
         result_(result) {}
 
   void AddPassed(const PassedDoor& door) {
-    for (const PassedDoor& known : passed_) {
-      if (!JoinSameRooms(known.from, known.to, door.from, door.to)) continue;
-      if (known.index == door.index && known.index >= 0) return;
-      if ((known.T_level_door.translation() - door.T_level_door.translation()).norm() < options_.same_door) return;
+    const auto known = std::find_if(passed_.begin(), passed_.end(), [&](const PassedDoor& other) {
+      if (!JoinSameRooms(other.from, other.to, door.from, door.to)) return false;
+      if (other.index == door.index && other.index >= 0) return true;
+      return (other.T_level_door.translation() - door.T_level_door.translation()).norm() < options_.same_door;
+    });
+    if (known == passed_.end()) {
+      passed_.push_back(door);
+    } else {
+      ++known->passages;
     }
-    passed_.push_back(door);
   }
 
   void Run() {
@@ -157,33 +164,33 @@ class DoorArranger {
   }
 
   // Does it join the two maps where the survey has the door, and is it about as sure of that?
-  bool IsRight(const graph::LinkPoint& link_point, const MapId& from, const MapId& to) const {
+  bool IsRight(const graph::LinkPoint& link_point, const PassedDoor& door, const MapId& from, const MapId& to) const {
     if (link_point.anchors.size() != 2) return false;
     const graph::Anchor* a = link_point.FindAnchor(from);
     const graph::Anchor* b = link_point.FindAnchor(to);
     if (a == nullptr || b == nullptr) return false;
-    if (IsUnsure(*a) || IsUnsure(*b)) return false;
+    if (IsUnsure(*a, door) || IsUnsure(*b, door)) return false;
     const Pose2 error = Between(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b));
     return error.translation().norm() <= options_.apart && std::abs(error.yaw) <= options_.turned;
   }
 
-  // The variances of a door's anchor: x, y, yaw.
-  Eigen::Vector3d Variances() const {
+  // The variances of a door's anchor: x, y, yaw. Each passage is a measurement of its own.
+  Eigen::Vector3d VariancesOf(const PassedDoor& door) const {
     const Eigen::Vector3d sigmas(options_.door_sigma, options_.door_sigma, options_.door_yaw_sigma);
-    return survey_.variance_factor * sigmas.cwiseAbs2();
+    return survey_.variance_factor / door.passages * sigmas.cwiseAbs2();
   }
 
-  bool IsUnsure(const graph::Anchor& anchor) const {
-    const Eigen::Vector3d limits = options_.unsure * options_.unsure * Variances();
+  bool IsUnsure(const graph::Anchor& anchor, const PassedDoor& door) const {
+    const Eigen::Vector3d limits = options_.unsure * options_.unsure * VariancesOf(door);
     return (anchor.covariance.diagonal().array() > limits.array()).any();
   }
 
-  graph::Anchor AnchorIn(const MapId& map, const Pose2& T_level_door) const {
-    return {map, Between(plan_.T_level_map.at(map), T_level_door), Variances().asDiagonal()};
+  graph::Anchor AnchorIn(const MapId& map, const PassedDoor& door) const {
+    return {map, Between(plan_.T_level_map.at(map), door.T_level_door), VariancesOf(door).asDiagonal()};
   }
 
   std::vector<graph::Anchor> AnchorsOf(const PassedDoor& door, const MapId& from, const MapId& to) const {
-    return {AnchorIn(from, door.T_level_door), AnchorIn(to, door.T_level_door)};
+    return {AnchorIn(from, door), AnchorIn(to, door)};
   }
 
   // Would the store refuse it beside one of the link points arranged so far? What is stored already may stand beside
@@ -214,7 +221,7 @@ class DoorArranger {
     const graph::LinkPoint* existing = FindExisting(door, *from, *to);
     if (existing != nullptr) settled_.insert(existing->id);
     if (existing != nullptr && IsPinned(*existing, {*from, *to})) return Keep(*existing);
-    if (existing != nullptr && IsRight(*existing, *from, *to)) return Arrange(*existing, existing);
+    if (existing != nullptr && IsRight(*existing, door, *from, *to)) return Arrange(*existing, existing);
     graph::LinkPoint link_point;
     if (existing != nullptr) {
       link_point = *existing;

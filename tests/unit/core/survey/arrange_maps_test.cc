@@ -113,6 +113,22 @@ TEST(ArrangeMaps, AnUnsureLinkPointBecomesAsSureAsTheSurvey) {
   EXPECT_TRUE(Arrange(survey).empty());
 }
 
+// Each passage measures the door's place once more.
+TEST(ArrangeMaps, ADoorThatRobotsWentThroughOftenIsMoreCertain) {
+  LevelSurvey survey;
+  std::vector<Eigen::Vector2d> way;
+  for (int i = 0; i < 2; ++i) way.insert(way.end(), {{1.5, 4.5}, {1.5, 1.0}});  // three passages
+  survey.drives = {MakeDrive({{"s", "a", {}, way}})};
+  survey.maps = {{.id = MapId("a"), .root = true}};
+  const rearrange::Rearrangement change = Arrange(survey);
+  ASSERT_THAT(change.link_points, SizeIs(1));
+  const SurveyOptions options;
+  for (const graph::Anchor& anchor : change.link_points[0].anchors) {
+    EXPECT_NEAR(anchor.covariance(0, 0), options.door_sigma * options.door_sigma / 3.0, 1e-9);
+    EXPECT_NEAR(anchor.covariance(2, 2), options.door_yaw_sigma * options.door_yaw_sigma / 3.0, 1e-9);
+  }
+}
+
 TEST(ArrangeMaps, AnEmptyMapBehindTheLastDoorIsTheRoomThatTheDriveEndedIn) {
   LevelSurvey survey;
   survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 1.0}}}})};
