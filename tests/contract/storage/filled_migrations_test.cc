@@ -66,27 +66,31 @@ class FilledMigrationsTest : public ::testing::Test {
 TEST_F(FilledMigrationsTest, EachGoesForwardAndBackOverFilledTables) {
   const auto changes = storage::KnownChanges();
   ASSERT_NO_FATAL_FAILURE(Migrate("up", changes.front()));
+  std::vector<std::vector<std::string>> columns = {Columns()};
+  std::vector<std::vector<std::string>> recorded = {Recorded()};
   for (std::size_t i = 1; i < changes.size(); ++i) {
     SCOPED_TRACE(changes[i]);
-    const std::vector<std::string> before = Columns();
-    const std::vector<std::string> recorded = Recorded();
     ASSERT_NO_FATAL_FAILURE(Migrate("up", changes[i]));
-    const std::vector<std::string> after = Columns();
+    EXPECT_THAT(Recorded(), IsSupersetOf(recorded.back()));
+    columns.push_back(Columns());
     ASSERT_NO_FATAL_FAILURE(Fill());
-    ASSERT_NO_FATAL_FAILURE(Migrate("down", changes[i - 1]));
-    EXPECT_THAT(Columns(), ElementsAreArray(before));
-    EXPECT_THAT(Recorded(), IsSupersetOf(recorded));
-    ASSERT_NO_FATAL_FAILURE(Migrate("up", changes[i]));
-    EXPECT_THAT(Columns(), ElementsAreArray(after));
-    EXPECT_THAT(Recorded(), IsSupersetOf(recorded));
-    Fill();
+    recorded.push_back(Recorded());
   }
+  for (std::size_t i = changes.size() - 1; i > 0; --i) {
+    SCOPED_TRACE(changes[i]);
+    ASSERT_NO_FATAL_FAILURE(Migrate("down", changes[i - 1]));
+    EXPECT_THAT(Columns(), ElementsAreArray(columns[i - 1]));
+    EXPECT_THAT(Recorded(), IsSupersetOf(recorded[i - 1]));
+    ASSERT_NO_FATAL_FAILURE(Fill());
+  }
+  ASSERT_NO_FATAL_FAILURE(Migrate("up", changes.back()));
+  EXPECT_THAT(Columns(), ElementsAreArray(columns.back()));
 }
 
 TEST_F(FilledMigrationsTest, AllGoBackFromHeadOverFilledTables) {
   const auto changes = storage::KnownChanges();
   ASSERT_NO_FATAL_FAILURE(Migrate("up", changes.back()));
-  Fill();
+  ASSERT_NO_FATAL_FAILURE(Fill());
   ASSERT_NO_FATAL_FAILURE(Migrate("down", changes.front()));
   ASSERT_NO_FATAL_FAILURE(Migrate("up", changes.back()));
 }
