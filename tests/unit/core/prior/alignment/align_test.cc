@@ -227,6 +227,26 @@ TEST(AlignByPairsTest, TheScalesOfAPlanThatLiesAskewOnItsSheetMayDiffer) {
   }
 }
 
+// The robot has seen one room of it.
+TEST(AlignByPairsTest, FourPairsTellTheScalesOfAPlanThatLiesAskewOnItsSheet) {
+  const PlanGraph plan = DrawnBuilding();
+  const auto on_sheet = [](const Eigen::Vector2d& p) -> Eigen::Vector2d { return Eigen::Rotation2Dd(M_PI / 4) * p; };
+  const PlanGraph turned = TurnedOnTheSheet(plan, M_PI / 4);
+  for (const double ratio : {0.75, 1.3}) {
+    const PlanTransform truth = Stretched(M_PI / 4, ratio);
+    const MapEvidence evidence = EvidenceOf(MapOf(
+        plan, [&](const Eigen::Vector2d& p) { return truth(on_sheet(p)); },
+        [](const Eigen::Vector2d& p) { return p.x() < 102 && p.y() < 202; }));
+    std::vector<ControlPair> pairs;
+    for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {520, 0}, {0, 480}, {480, 480}}) {
+      pairs.push_back({on_sheet(point), truth(on_sheet(point)) + Eigen::Vector2d(0.1, -0.1)});
+    }
+    const auto alignment = prior::AlignByPairs(turned, evidence, pairs, {});
+    ASSERT_TRUE(alignment.ok()) << alignment.status();
+    EXPECT_LT(LargestError(turned, alignment->T_map_sheet, truth), 0.3) << ratio;
+  }
+}
+
 // Of which a robot has seen two parallel walls.
 TEST(AlignByPairsTest, ABareCorridorStaysOpenAlongIt) {
   PlanGraph plan = DrawnBuilding();
