@@ -84,7 +84,8 @@ class Chain:
         self.folder = building.folder / f"noise-{share:.1f}"
         self.folder.mkdir(exist_ok=True)
         self.truth = timed(building.robots[0] / "truth.txt")
-        log = disturbed(building.robots[0] / "log.jsonl", share, random.Random(f"noise {building.seed}"), self.folder / "log.jsonl")
+        log = disturbed(building.robots[0] / "log.jsonl", share, random.Random(f"noise {building.seed}"),
+                        self.folder / "log.jsonl")
         folders = [building.made(self.folder / f"map-{i}", "slam", part)
                    for i, part in enumerate(cut(log, building.share, parts, self.folder))]
         self.maps = [folder / "map.yaml" for folder in folders]
