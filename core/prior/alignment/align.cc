@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
@@ -135,18 +137,26 @@ Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<JudgedPlace>& 
   return alignment;
 }
 
-// PairFit::others with the scales along and across the plan's walls instead of those of the sheet, if walls are askew
-// on the sheet.
-std::vector<PlanTransform> OthersAlongWalls(const PlanGraph& plan, std::vector<ControlPair> pairs, double sheet_size) {
+// What the pairs say with the scales along and across the plan's walls instead of those of the sheet, if walls are
+// askew on the sheet.
+std::optional<PairFit> FitPairsAlongWalls(const PlanGraph& plan, std::vector<ControlPair> pairs, double sheet_size) {
   const double direction = MainDirection(FacesOf(plan));
-  if (std::min(direction, M_PI / 2 - direction) < kAskew) return {};
+  if (std::min(direction, M_PI / 2 - direction) < kAskew) return std::nullopt;
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-direction).toRotationMatrix();
   for (ControlPair& pair : pairs) pair.point_sheet = turn * pair.point_sheet;
-  const absl::StatusOr<PairFit> fit = FitPairs(pairs, sheet_size);
-  if (!fit.ok()) return {};
-  std::vector<PlanTransform> others = fit->others;
-  for (PlanTransform& other : others) other.linear *= turn;
-  return others;
+  absl::StatusOr<PairFit> fit = FitPairs(pairs, sheet_size);
+  if (!fit.ok()) return std::nullopt;
+  fit->T_map_sheet.linear *= turn;
+  for (PlanTransform& other : fit->others) other.linear *= turn;
+  if (fit->model == TransformModel::kAnisotropic) fit->model = TransformModel::kAffine;
+  return *std::move(fit);
+}
+
+// m^2, of all pairs but a wrong one.
+double SumOfSquares(const PairFit& fit) {
+  const std::vector<double>& residuals = fit.residuals;
+  const double all = std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
+  return fit.wrong ? all - residuals[*fit.wrong] * residuals[*fit.wrong] : all;
 }
 
 }  // namespace
@@ -160,7 +170,14 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
     min = min.cwiseMin(corner.point);
     max = max.cwiseMax(corner.point);
   }
-  ENFILADE_ASSIGN_OR_RETURN(const PairFit fit, FitPairs(pairs, (max - min).norm()));
+  const double sheet_size = (max - min).norm();
+  ENFILADE_ASSIGN_OR_RETURN(PairFit fit, FitPairs(pairs, sheet_size));
+  const std::optional<PairFit> along_walls = FitPairsAlongWalls(plan, pairs, sheet_size);
+  const std::vector<PlanTransform> along_sheet = fit.others;
+  const bool is_stretched = along_walls && along_walls->model == TransformModel::kAffine;
+  if (is_stretched && IsAllowed(along_walls->T_map_sheet, options) && SumOfSquares(*along_walls) < SumOfSquares(fit)) {
+    fit = *along_walls;
+  }
   const Aligner aligner(plan, evidence, options);
   Alignment alignment =
       ToAlignment(aligner.RefinedFrom({.transform = fit.T_map_sheet, .model = fit.model, .agreement = {}}, 3.0));
@@ -171,8 +188,8 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
       if (IsBetter(next, alignment, options)) alignment = std::move(next);
     }
   };
-  try_others(fit.others, TransformModel::kAnisotropic);
-  try_others(OthersAlongWalls(plan, pairs, (max - min).norm()), TransformModel::kAffine);
+  try_others(along_sheet, TransformModel::kAnisotropic);
+  if (along_walls) try_others(along_walls->others, TransformModel::kAffine);
   alignment.accepted = true;
   alignment.reason = fmt::format("{} pairs of points", pairs.size() - (fit.wrong ? 1 : 0));
   if (fit.wrong)

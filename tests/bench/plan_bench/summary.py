@@ -68,11 +68,25 @@ def of_noise(mode, found):
     result = {}
     for level in found[0] if found else ():
         here = [one[level] for one in found]
-        result[level] = {name: median([one[name]["rms_m"] for one in here]) for name in ("chain", "full", "acg")}
-        result[level]["worst"] = {name: max(one[name]["rms_m"] for one in here) for name in ("chain", "full", "acg")}
+        result[level] = {name: median([one[name]["ate_m"] for one in here]) for name in ("chain", "full", "acg")}
+        result[level]["worst"] = {name: max(one[name]["ate_m"] for one in here) for name in ("chain", "full", "acg")}
         result[level]["joined"] = share(sum(one["full"]["joined"] for one in here), sum(one["full"]["of"] for one in here))
         result[level]["acg_joined"] = share(sum(one["acg"]["joined"] for one in here), sum(one["acg"]["of"] for one in here))
-        result[level]["better"] = sum(one["full"]["rms_m"] <= 1.02 * one["chain"]["rms_m"] + 0.005 for one in here)
+        result[level]["better"] = sum(one["full"]["ate_m"] <= 1.02 * one["chain"]["ate_m"] + 0.005 for one in here)
+    return result
+
+
+def of_chain(mode, found):
+    result = {}
+    for level in found[0] if found else ():
+        here = [one[level] for one in found]
+        # A plan that is not in use leaves the chain as it is.
+        pairs = [(one["chain"]["ate_m"], one.get("full", one["chain"])["ate_m"]) for one in here]
+        result[level] = {"chain": median([a for a, _ in pairs]), "full": median([b for _, b in pairs]),
+                         "worst": [max(values) for values in zip(*pairs)], "of": len(here),
+                         "used": sum(one["plan"].get("state") == "active" for one in here),
+                         "halved": sum(b <= 0.5 * a for a, b in pairs),
+                         "never_worse": sum(b <= 1.02 * a + 0.005 for a, b in pairs)}
     return result
 
 
@@ -100,7 +114,7 @@ def of_routes(mode, found):
 
 
 OF = {"by_itself": of_places_found, "site": of_places_found, "ties": of_places_found, "pairs": of_pairs,
-      "coverage": of_coverage, "noise": of_noise, "associations": of_associations, "usual_associations": of_associations,
+      "coverage": of_coverage, "noise": of_noise, "chain": of_chain, "associations": of_associations, "usual_associations": of_associations,
       "doors": lambda mode, found: doors.summary(found), "routes": of_routes}
 
 

@@ -14,10 +14,13 @@
 #include "fmt/format.h"
 #include "perception/plan/read_plan.h"
 #include "tests/support/plans/drawn_plan.h"
+#include "tests/support/plans/pdf_plan.h"
 
 namespace enfilade::perception {
 namespace {
 
+using enfilade::testing::EncryptedPdfPlan;
+using enfilade::testing::PdfPlan;
 using ::testing::HasSubstr;
 
 void ExpectRefused(const std::string& bytes, const std::string& message, const ReadPlanOptions& options = {}) {
@@ -45,7 +48,7 @@ cv::Mat DrawnMat() {
 
 TEST(BadPlans, TruncatedPicturesAreRefused) {
   const std::string png = enfilade::testing::DrawPlan().png;
-  ExpectRefused(png.substr(0, png.size() / 2), "");
+  ExpectRefused(png.substr(0, png.size() / 2), "ends within the image");
   const std::string jpeg = Encoded(DrawnMat(), ".jpg");
   ExpectRefused(jpeg.substr(0, jpeg.size() / 2), "truncated");
 }
@@ -133,39 +136,18 @@ TEST(UnusualPlans, JpegIsTurnedAsItSays) {
   EXPECT_EQ(turned->picture->height, upright->picture->width);
 }
 
-// A PDF of lines, of which poppler rebuilds the table of contents.
-std::string Pdf(int pages, const std::string& trailer = "") {
-  std::string lines = "12 w ";
-  for (int i = 0; i <= 4; ++i) lines += fmt::format("{0} 100 m {0} 500 l S 100 {0} m 500 {0} l S ", 100 + 100 * i);
-  std::string kids;
-  for (int i = 0; i < pages; ++i) kids += fmt::format("{} 0 R ", 10 + i);
-  std::string pdf = fmt::format(
-      "%PDF-1.4\n1 0 obj\n<< /Type /Catalog /Pages 2 0 R >>\nendobj\n"
-      "2 0 obj\n<< /Type /Pages /Kids [{}] /Count {} >>\nendobj\n"
-      "3 0 obj\n<< /Length {} >>\nstream\n{}\nendstream\nendobj\n",
-      kids, pages, lines.size(), lines);
-  for (int i = 0; i < pages; ++i) {
-    pdf += fmt::format("{} 0 obj\n<< /Type /Page /Parent 2 0 R /MediaBox [0 0 600 600] /Contents 3 0 R >>\nendobj\n",
-                       10 + i);
-  }
-  return pdf + "trailer\n<< /Root 1 0 R " + trailer + " >>\n%%EOF\n";
-}
-
 TEST(PdfPlans, APageIsReadAsAPicture) {
-  const auto plan = DecodePlan(Pdf(1));
+  const auto plan = DecodePlan(PdfPlan(1));
   ASSERT_TRUE(plan.ok()) << plan.status();
   EXPECT_EQ(plan->graph.walls.size(), 40u) << "a grid of 4 x 4 rooms";
   EXPECT_EQ(plan->graph.rooms.size(), 16u);
-  EXPECT_EQ(DecodePlan(Pdf(2), {.page = 2})->graph.walls.size(), 40u);
+  EXPECT_EQ(DecodePlan(PdfPlan(2), {.page = 2})->graph.walls.size(), 40u);
 }
 
 TEST(PdfPlans, ManyPagesNeedAChoiceAndEncryptedOnesAreRefused) {
-  ExpectRefused(Pdf(300), "300 pages: choose one (page)");
-  ExpectRefused(Pdf(2), "page 3: the PDF has 2", {.page = 3});
-  const std::string key(32, 'k');
-  ExpectRefused(
-      Pdf(1, fmt::format("/ID [(a) (b)] /Encrypt << /Filter /Standard /V 1 /R 2 /P -4 /O ({0}) /U ({0}) >>", key)),
-      "encrypted");
+  ExpectRefused(PdfPlan(300), "300 pages: choose one (page)");
+  ExpectRefused(PdfPlan(2), "page 3: the PDF has 2", {.page = 3});
+  ExpectRefused(EncryptedPdfPlan(), "encrypted");
   ExpectRefused("%PDF-1.4\nnothing", "PDF");
 }
 

@@ -6,8 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
-#include <random>
+#include <cmath>
 #include <utility>
 
 #include "core/prior/correction/correct_plan.h"
@@ -154,34 +153,6 @@ TEST(AlignByItselfTest, RefusesABareRoomThatFitsInManyPlaces) {
   EXPECT_FALSE(prior::AlignByItself(plan, evidence, {}).accepted);
 }
 
-// A wall 0.3 m thick along x, and free ground on one side of it.
-TEST(WallFacesTest, AWallIsComparedWithTheFaceThatLooksAtTheFreeGround) {
-  grid::OccupancyGrid map;
-  map.geometry = {0.05, {}, 100, 60};
-  map.cells.assign(map.geometry.cell_count(), grid::kUnknownCell);
-  for (int column = 0; column < 100; ++column) {
-    for (int row = 20; row < 40; ++row) {
-      map.cells[map.geometry.index(column, row)] = grid::CellFromProbability(row < 39 ? 0.05 : 0.95);
-    }
-  }
-  const MapEvidence evidence = EvidenceOf(map);
-  const auto wall = std::find_if(evidence.walls.begin(), evidence.walls.end(),
-                                 [](const WallPoint& one) { return std::abs(one.point.x() - 2.5) < 0.2; });
-  ASSERT_NE(wall, evidence.walls.end());
-  EXPECT_NEAR(wall->open.y(), -1.0, 0.05);
-  PlanGraph plan;
-  plan.corners = {{{0, 0}}, {{100, 0}}};
-  plan.walls = {{.from = 0, .to = 1, .thickness = 6}};  // 0.3 m
-  // The lower face, which the robot has seen, lies 0.2 m too low, and so the upper one is the nearer.
-  const PlanTransform place{Eigen::Vector2d(0.05, -0.05).asDiagonal(), {0, 1.975 - 0.2 + 0.15}};
-  const FaceIndex index(Transformed(FacesOf(plan), place), 1.0);
-  const auto nearest = index.Nearest(wall->point, wall->along, kParallel);
-  const auto looking = index.Nearest(wall->point, wall->along, kParallel, wall->open);
-  ASSERT_TRUE(nearest && looking);
-  EXPECT_GT(nearest->point.y(), place.offset.y());
-  EXPECT_LT(looking->point.y(), place.offset.y());
-}
-
 TEST(AlignByPairsTest, ClicksThatAreOffAreMovedOntoTheWalls) {
   const PlanGraph plan = DrawnBuilding();
   const PlanTransform truth = Turned(0.7, 0.05, false);
@@ -224,6 +195,26 @@ TEST(AlignByPairsTest, TheScalesOfAPlanThatLiesAskewOnItsSheetMayDiffer) {
     const auto alignment = prior::AlignByPairs(turned, evidence, pairs, {});
     ASSERT_TRUE(alignment.ok()) << alignment.status();
     EXPECT_LT(LargestError(turned, alignment->T_map_sheet, truth), 0.5) << ratio;
+  }
+}
+
+// The robot has seen one room of it.
+TEST(AlignByPairsTest, FourPairsTellTheScalesOfAPlanThatLiesAskewOnItsSheet) {
+  const PlanGraph plan = DrawnBuilding();
+  const auto on_sheet = [](const Eigen::Vector2d& p) -> Eigen::Vector2d { return Eigen::Rotation2Dd(M_PI / 4) * p; };
+  const PlanGraph turned = TurnedOnTheSheet(plan, M_PI / 4);
+  for (const double ratio : {0.75, 1.3}) {
+    const PlanTransform truth = Stretched(M_PI / 4, ratio);
+    const MapEvidence evidence = EvidenceOf(MapOf(
+        plan, [&](const Eigen::Vector2d& p) { return truth(on_sheet(p)); },
+        [](const Eigen::Vector2d& p) { return p.x() < 102 && p.y() < 202; }));
+    std::vector<ControlPair> pairs;
+    for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {520, 0}, {0, 480}, {480, 480}}) {
+      pairs.push_back({on_sheet(point), truth(on_sheet(point)) + Eigen::Vector2d(0.1, -0.1)});
+    }
+    const auto alignment = prior::AlignByPairs(turned, evidence, pairs, {});
+    ASSERT_TRUE(alignment.ok()) << alignment.status();
+    EXPECT_LT(LargestError(turned, alignment->T_map_sheet, truth), 0.3) << ratio;
   }
 }
 
@@ -291,42 +282,6 @@ TEST(FitPairsTest, PairsThatMakeAPlanLargerThanAnyBuildingAreRefused) {
     EXPECT_EQ(fit.status().code(), absl::StatusCode::kInvalidArgument) << far;
   }
   EXPECT_TRUE(FitPairs({{{0, 0}, {0, 0}}, {{1000, 0}, {1000, 0}}}, 1000).ok());
-}
-
-TEST(FaceIndexTest, FindsTheFaceThatIsNearest) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> place(0, 30);
-  for (const double reach : {0.5, 3.0, 7.5}) {
-    std::vector<WallFace> faces;
-    for (int i = 0; i < 60; ++i) {
-      const Eigen::Vector2d from(place(random), place(random));
-      // Some along the axes, some of no length, some sloping.
-      const Eigen::Vector2d to(i % 3 == 0 ? from.x() : place(random), i % 4 == 0 ? from.y() : place(random));
-      faces.push_back({from, to, i, Eigen::Vector2d::Zero()});
-    }
-    const FaceIndex index(faces, reach);
-    for (int n = 0; n < 2000; ++n) {
-      const Eigen::Vector2d point(1.2 * place(random) - 3, 1.2 * place(random) - 3);
-      double nearest = reach;
-      for (const WallFace& face : faces) {
-        const Eigen::Vector2d way = face.to - face.from;
-        const double fraction =
-            way.squaredNorm() > 0 ? std::clamp((point - face.from).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-        nearest = std::min(nearest, (face.from + fraction * way - point).norm());
-      }
-      const auto found = index.Nearest(point, Eigen::Vector2d::Zero(), 0);
-      ASSERT_EQ(found.has_value(), nearest < reach) << point.transpose();
-      ASSERT_NEAR(found ? found->distance : nearest, nearest, 1e-12) << point.transpose();
-    }
-  }
-}
-
-TEST(FaceIndexTest, HoldsWallsWhereverTheyAre) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const double far : {1e5, 1e12, 1e300, std::numeric_limits<double>::infinity(), nan}) {
-    const FaceIndex index({{{0, 0}, {1, 0}}, {{-far, 3}, {far, 3}}}, 1.0);
-    index.Nearest({0.5, 0.1}, {1, 0}, 1.0);  // that it ends is enough
-  }
 }
 
 TEST(FitPairsTest, AMirroredPlanIsRecognised) {
