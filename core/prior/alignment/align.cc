@@ -171,7 +171,7 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
     max = max.cwiseMax(corner.point);
   }
   const double sheet_size = (max - min).norm();
-  ENFILADE_ASSIGN_OR_RETURN(PairFit fit, FitPairs(pairs, sheet_size));
+  ENFILADE_ASSIGN_OR_RETURN(PairFit fit, FitPairs(pairs, sheet_size, options.widest_model));
   const std::optional<PairFit> along_walls = FitPairsAlongWalls(plan, pairs, sheet_size);
   const std::vector<PlanTransform> along_sheet = fit.others;
   const bool is_stretched = along_walls && along_walls->model == TransformModel::kAffine;

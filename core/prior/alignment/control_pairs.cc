@@ -112,9 +112,9 @@ struct Fit {
   TransformModel model = TransformModel::kSimilarity;
 };
 
-Fit FitTo(const std::vector<ControlPair>& pairs) {
+Fit FitTo(const std::vector<ControlPair>& pairs, TransformModel widest) {
   Fit fit{FitEitherWay(pairs)};
-  if (pairs.size() < kFewestForAxes || !AreSpread(pairs)) return fit;
+  if (widest == TransformModel::kSimilarity || pairs.size() < kFewestForAxes || !AreSpread(pairs)) return fit;
   // Only if clicks do not explain what the similarity leaves.
   if (RmsOf(fit.transform, pairs) < kClickSigma) return fit;
   return {FitAxes(pairs, fit.transform), TransformModel::kAnisotropic};
@@ -127,7 +127,7 @@ std::vector<ControlPair> Without(const std::vector<ControlPair>& pairs, std::siz
 }
 
 // The pair without which the others agree, if there is one.
-std::optional<std::size_t> FindWrong(const std::vector<ControlPair>& pairs) {
+std::optional<std::size_t> FindWrong(const std::vector<ControlPair>& pairs, TransformModel widest) {
   if (pairs.size() < kFewestForWrong) return std::nullopt;
   std::optional<std::size_t> wrong;
   double least = 0;
@@ -139,7 +139,7 @@ std::optional<std::size_t> FindWrong(const std::vector<ControlPair>& pairs) {
     wrong = i;
     least = rms;
   }
-  const PlanTransform fit = FitTo(Without(pairs, *wrong)).transform;
+  const PlanTransform fit = FitTo(Without(pairs, *wrong), widest).transform;
   const double missed = (fit(pairs[*wrong].point_sheet) - pairs[*wrong].point_map).norm();
   const double usual = std::max(kClickSigma, RmsOf(fit, Without(pairs, *wrong)));
   return missed > kWrongSigmas * usual ? wrong : std::nullopt;
@@ -173,12 +173,12 @@ absl::Status Check(const std::vector<ControlPair>& pairs, double sheet_size) {
 
 }  // namespace
 
-absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double sheet_size) {
+absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double sheet_size, TransformModel widest) {
   if (absl::Status status = Check(pairs, sheet_size); !status.ok()) return status;
   PairFit result;
-  result.wrong = FindWrong(pairs);
+  result.wrong = FindWrong(pairs, widest);
   const std::vector<ControlPair> right = result.wrong ? Without(pairs, *result.wrong) : pairs;
-  const Fit fit = FitTo(right);
+  const Fit fit = FitTo(right, widest);
   const double size = fit.transform.scale() * sheet_size;
   if (!(size <= kLargestPlan)) {
     return InvalidArgument("by the pairs the plan is {:.0f} m wide, at most {:.0f} m are possible", size, kLargestPlan);

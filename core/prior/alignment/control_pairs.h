@@ -32,9 +32,10 @@ struct PairFit {
 
 // Least squares: a similarity, turned over if that fits much better (S. Umeyama, "Least-squares estimation of
 // transformation parameters between two point patterns", 1991), from four well spread pairs on with a scale for each
-// axis of the sheet. INVALID_ARGUMENT: fewer than two pairs or more than 1000, points that are not finite, two pairs at
-// one place, pairs nearer together than 2 m or a twentieth of `sheet_size` (the diagonal of the plan's walls, in its
-// units), pairs that make the plan larger than kLargestPlan.
-absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double sheet_size);
+// axis of the sheet, if `widest` allows it. INVALID_ARGUMENT: fewer than two pairs or more than 1000, points that are
+// not finite, two pairs at one place, pairs nearer together than 2 m or a twentieth of `sheet_size` (the diagonal of
+// the plan's walls, in its units), pairs that make the plan larger than kLargestPlan.
+absl::StatusOr<PairFit> FitPairs(const std::vector<ControlPair>& pairs, double sheet_size,
+                                 TransformModel widest = TransformModel::kAffine);
 
 }  // namespace enfilade::prior

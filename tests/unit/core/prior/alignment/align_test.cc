@@ -218,6 +218,22 @@ TEST(AlignByPairsTest, FourPairsTellTheScalesOfAPlanThatLiesAskewOnItsSheet) {
   }
 }
 
+TEST(AlignByPairsTest, FourPairsStretchNoPlanThatOnlyASimilarityMayPlace) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform truth = Stretched(0, 1.3);
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, truth, [](const Eigen::Vector2d&) { return true; }));
+  std::vector<ControlPair> pairs;
+  for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), {520, 0}, {0, 480}, {480, 480}}) {
+    pairs.push_back({point, truth(point)});
+  }
+  AlignOptions options;
+  options.widest_model = TransformModel::kSimilarity;
+  const auto alignment = prior::AlignByPairs(plan, evidence, pairs, options);
+  ASSERT_TRUE(alignment.ok()) << alignment.status();
+  EXPECT_EQ(alignment->model, TransformModel::kSimilarity);
+  EXPECT_TRUE(IsSimilarity(alignment->T_map_sheet));
+}
+
 // Of which a robot has seen two parallel walls.
 TEST(AlignByPairsTest, ABareCorridorStaysOpenAlongIt) {
   PlanGraph plan = DrawnBuilding();
