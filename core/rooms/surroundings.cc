@@ -94,17 +94,16 @@ std::vector<LineSides> SurroundingsOf(const GroundMap& ground, const CutGround& 
 }
 
 SurroundedValues ValuesOf(const DoorLine& line, const LineSides& sides) {
-  constexpr double kMostArea = 100.0;  // m^2
+  constexpr double kMostArea = 100.0;    // m^2
+  constexpr double kLeastLength = 0.05;  // m: both ends of a line may be one cell
+  const double length = std::max(line.evidence.length, kLeastLength);
   const DoorValues own = ValuesOf(line.evidence);
   SurroundedValues all{};
   auto next = std::copy(own.begin(), own.end(), all.begin());
   for (const LineSide& side : sides) {
-    const std::array<double, kValuesOfSide> values{side.diameter,
-                                                   side.diameter / line.evidence.length,
-                                                   std::sqrt(std::min(side.area, kMostArea)),
-                                                   side.door_share,
-                                                   side.open_share,
-                                                   side.wider};
+    const std::array<double, kValuesOfSide> values{
+        side.diameter,   side.diameter / length, std::sqrt(std::min(side.area, kMostArea)),
+        side.door_share, side.open_share,        side.wider};
     next = std::copy(values.begin(), values.end(), next);
   }
   return all;

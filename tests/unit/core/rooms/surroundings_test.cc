@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -66,6 +67,10 @@ TEST(Surroundings, AreThoseOfTheRegionsBesideALine) {
     EXPECT_NEAR(sides[door][1].diameter, 1.75, 0.2);
     EXPECT_EQ(sides[door][1].door_share, 0.0);
   }
+}
+
+TEST(Surroundings, OfALineWithoutLengthAreNumbers) {
+  for (const double value : ValuesOf(DoorLine{}, LineSides{})) EXPECT_TRUE(std::isfinite(value));
 }
 
 TEST(Surroundings, ItDoesNotMatterWhichJambIsFirst) {
