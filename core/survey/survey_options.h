@@ -16,8 +16,8 @@ struct SurveyOptions {
   double unsure = 1.5;   // and if its standard deviations are at most this many times those of a new one
   // Of the anchor of a door that a robot went through once, times the square root of the drives' variance factor. Most
   // of it is that maps are slightly bent.
-  double door_sigma = 0.06;       // m
-  double door_yaw_sigma = 0.02;   // rad
+  double door_sigma = 0.05;       // m
+  double door_yaw_sigma = 0.016;  // rad
   double candidate_ahead = 3.5;   // m: a candidate was seen from up to this far before its door
   double candidate_across = 1.0;  // m
   std::string map_name = "Map";   // a new map's name is this and the least free number
