@@ -26,6 +26,11 @@ def read(path):
     return scans
 
 
+def write_pairs(path, pairs):
+    """As `prior fit --pairs` reads them: places on the plan and where they are, complex."""
+    path.write_text("".join(f"{a.real},{a.imag},{b.real},{b.imag}\n" for a, b in pairs))
+
+
 def turn(yaw):
     return cmath.rect(1, yaw)
 
