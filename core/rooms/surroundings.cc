@@ -95,7 +95,7 @@ std::vector<LineSides> SurroundingsOf(const GroundMap& ground, const CutGround& 
 
 SurroundedValues ValuesOf(const DoorLine& line, const LineSides& sides) {
   constexpr double kMostArea = 100.0;    // m^2
-  constexpr double kLeastLength = 0.05;  // m: both ends of a line may be one cell
+  constexpr double kLeastLength = 0.05;  // m: both ends of a line may lie in one cell
   const double length = std::max(line.evidence.length, kLeastLength);
   const DoorValues own = ValuesOf(line.evidence);
   SurroundedValues all{};
