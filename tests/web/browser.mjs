@@ -41,9 +41,19 @@ export async function launchToKill(profile) {
 // Chromium's software renderer says this of every screenshot.
 const ofTheRenderer = /GL Driver Message \(OpenGL, Performance/;
 
+// What a test has opened and not closed, because it failed.
+const leftOpen = new Set();
+
+// Closes it: a page that goes on reading makes later tests fail, too.
+export async function closeWhatIsLeft() {
+  for (const context of leftOpen) await context.close().catch(() => {}); // its browser may be gone
+  leftOpen.clear();
+}
+
 // Opens a page in a context of its own. `expected`: what the console may say besides, for tests that stop the server.
 export async function open(browser, url, { theme = 'light', width = 1280, height = 800, expected = /^$/ } = {}) {
   const context = await browser.newContext({ colorScheme: theme, viewport: { width, height }, reducedMotion: 'reduce' });
+  leftOpen.add(context);
   const page = await context.newPage();
   const problems = [];
   page.on('console', (message) => {
@@ -61,6 +71,7 @@ export async function open(browser, url, { theme = 'light', width = 1280, height
     async close() {
       const breaches = await page.evaluate(() => window.breaches);
       await context.close();
+      leftOpen.delete(context);
       assert.deepEqual(problems, [], 'the console is empty');
       assert.deepEqual(breaches, [], 'nothing breaks the Content-Security-Policy');
     },

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { after, before } from 'node:test';
-import { launch } from './browser.mjs';
+import { after, afterEach, before } from 'node:test';
+import { closeWhatIsLeft, launch } from './browser.mjs';
 import { System } from './system.mjs';
 
 // A system and a browser for the tests of a file, from before its first one until after its last one. `prepare`: what is
-// done with the system before the first test. (Hooks of one file do not wait for each other.)
+// done with the system before the first test. (Hooks of one file do not wait for each other.) Pages that a test leaves open
+// are closed when it ends.
 export function setStage(prepare = () => {}) {
   const system = new System();
   let browser;
@@ -13,6 +14,7 @@ export function setStage(prepare = () => {}) {
     browser = await launch();
     await prepare(system);
   });
+  afterEach(closeWhatIsLeft);
   after(async () => {
     await browser?.close();
     await system.stop();

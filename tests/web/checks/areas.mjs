@@ -195,7 +195,7 @@ export function addAreas({ system, browser }) {
     await patch(system, both, { robotTypes: ['cleaner'] });
     await dropped.getByRole('button', { name: 'Save' }).click();
     await page.getByRole('alert', { name: /^Changed by somebody else/ }).getByRole('button', { name: 'Load theirs, drop mine' }).click();
-    assert.deepEqual([await dropped.getByLabel('Name').inputValue(), await dropped.getByLabel('Robot types').inputValue()], ['Laboratory', 'cleaner']);
+    await until('theirs is shown', async () => (await dropped.getByLabel('Name').inputValue()) === 'Laboratory' && (await dropped.getByLabel('Robot types').inputValue()) === 'cleaner');
     await close();
   });
 

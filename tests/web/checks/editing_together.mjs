@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { test } from 'node:test';
+import { isDeepStrictEqual } from 'node:util';
 import { faultsOf, launchToKill, open, picture } from '../browser.mjs';
 import { drag, editedAt, editorAddress, editsOf, introduce, lookAt, newDraft, newMap, openEditor, publish, random, sameAsServer, screenOf, send, statsOf, stored } from '../editing.mjs';
 import { until } from '../system.mjs';
@@ -251,7 +252,7 @@ export function addEditingTogether({ system, browser, at }) {
     assert.equal(await inbox.getByRole('listitem').count(), count);
     const before = await page.evaluate(() => window.__editor.camera());
     await item.getByRole('button', { name: 'Show', exact: true }).click();
-    assert.notDeepEqual(await page.evaluate(() => window.__editor.camera()), before, 'it is jumped to');
+    await until('it is jumped to', async () => !isDeepStrictEqual(await page.evaluate(() => window.__editor.camera()), before));
     await item.getByRole('button', { name: 'Keep the edit' }).click();
     if (count > 1) await inbox.getByRole('listitem').nth(1).getByRole('button', { name: 'Show what robots see' }).click();
     await inbox.getByLabel('Why').fill('looked at it');

@@ -333,11 +333,12 @@ export function addGraphEdit(stage) {
     const list = page.getByRole('list', { name: 'Candidates' });
     await until('both are listed', async () => (await list.getByRole('listitem').count()) === 2);
     await page.getByLabel('Pictures').selectOption('with');
-    assert.equal(await list.getByRole('listitem').count(), 1);
+    await until('one is listed', async () => (await list.getByRole('listitem').count()) === 1);
     await until('its picture has come', () => list.getByRole('img').evaluate((image) => image.naturalWidth === 64));
     await picture(page, 'graph-candidates');
     assert.deepEqual(await faultsOf(page), []);
     await page.getByLabel('Pictures').selectOption('without');
+    await until('the other is listed', async () => (await list.getByRole('img').count()) === 0 && (await list.getByRole('listitem').count()) === 1);
     await page.getByLabel('All that are listed').check();
     await page.getByRole('button', { name: 'Delete …' }).click();
     await page.getByRole('button', { name: 'Delete them' }).click();
