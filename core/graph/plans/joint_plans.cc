@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.h"
+
 namespace enfilade::graph {
 namespace {
 
@@ -18,6 +20,8 @@ constexpr double kMostYawSigma = 5.0 * kDegree;  // rad
 constexpr double kBendingPosition = 0.03;      // m
 constexpr double kBendingYaw = 0.2 * kDegree;  // rad
 constexpr double kShortStrut = 2.0;            // m
+constexpr double kLeastStretch = 0.7;
+constexpr double kMostStretch = 1.4;
 
 // Of one corner relative to another so far away, along the way there and across it: m^2.
 Eigen::Vector2d CornerVariances(const PlanTies& ties, double length) {
@@ -124,6 +128,54 @@ class PlanAddition {
   std::vector<std::size_t> middles_;  // nodes of struts; kNone: nobody has seen it
 };
 
+// How far corners are from where the plan was placed, in the world.
+class CornerMoves {
+ public:
+  CornerMoves(const JointGraph& joint, const PlanPart& part) : part_(part), neighbours_(part.corners.size()) {
+    for (std::size_t i = 0; i < part.corners.size(); ++i) {
+      const Eigen::Vector2d now = joint.graph.nodes[part.corners[i]].T_world_node.translation();
+      moves_.emplace_back(now - Placed(static_cast<int>(i)));
+    }
+    for (const PlanStrut& strut : part.ties().struts) {
+      neighbours_[static_cast<std::size_t>(strut.from)].push_back(strut.to);
+      neighbours_[static_cast<std::size_t>(strut.to)].push_back(strut.from);
+    }
+  }
+
+  bool IsStretchedTooMuch(const PlanStrut& strut) const {
+    const Eigen::Vector2d way = Placed(strut.to) - Placed(strut.from);
+    if (way.norm() < kShortStrut) return false;
+    const double stretch = (way + Move(strut.to) - Move(strut.from)).norm() / way.norm();
+    return stretch < kLeastStretch || stretch > kMostStretch;
+  }
+
+  // The end that has moved otherwise than the corners around both.
+  int OddEnd(const PlanStrut& strut) const {
+    std::vector<double> x;
+    std::vector<double> y;
+    for (const int end : {strut.from, strut.to}) {
+      for (const int next : neighbours_[static_cast<std::size_t>(end)]) {
+        if (next == strut.from || next == strut.to) continue;
+        x.push_back(Move(next).x());
+        y.push_back(Move(next).y());
+      }
+    }
+    if (x.empty()) return strut.to;
+    const Eigen::Vector2d usual(Median(x), Median(y));
+    return (Move(strut.from) - usual).norm() > (Move(strut.to) - usual).norm() ? strut.from : strut.to;
+  }
+
+ private:
+  Eigen::Vector2d Placed(int corner) const {
+    return part_.T_world_plan * part_.ties().corners[static_cast<std::size_t>(corner)];
+  }
+  const Eigen::Vector2d& Move(int corner) const { return moves_[static_cast<std::size_t>(corner)]; }
+
+  const PlanPart& part_;
+  std::vector<Eigen::Vector2d> moves_;
+  std::vector<std::vector<int>> neighbours_;  // of each corner
+};
+
 }  // namespace
 
 PlanPart AddPlan(const GraphSnapshot& snapshot, const PlanInGraph& plan, const Pose2& T_world_plan, JointGraph& joint) {
@@ -175,15 +227,24 @@ std::vector<char> JoinedNodes(const JointGraph& joint) {
   return joined;
 }
 
-double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut) {
-  const auto from = static_cast<std::size_t>(part.ties().struts[strut].from);
-  const auto to = static_cast<std::size_t>(part.ties().struts[strut].to);
-  const double before = (part.ties().corners[to] - part.ties().corners[from]).norm();
-  if (before < kShortStrut) return 1.0;
-  const auto at = [&](std::size_t corner) {
-    return joint.graph.nodes[part.corners[corner]].T_world_node.translation();
+std::set<std::size_t> EdgesAroundStretched(const JointGraph& joint, const PlanPart& part) {
+  const auto strut_of = [&](std::size_t sighting) -> const PlanStrut& {
+    return part.ties().struts[static_cast<std::size_t>(part.ties().sightings[sighting].strut)];
   };
-  return (at(to) - at(from)).norm() / before;
+  const auto is_used = [&](std::size_t sighting) {
+    return part.edges[sighting] != PlanPart::kNone && joint.graph.edges[part.edges[sighting]].enabled;
+  };
+  const CornerMoves moves(joint, part);
+  std::set<int> odd;
+  for (std::size_t i = 0; i < part.edges.size(); ++i) {
+    if (is_used(i) && moves.IsStretchedTooMuch(strut_of(i))) odd.insert(moves.OddEnd(strut_of(i)));
+  }
+  std::set<std::size_t> edges;
+  for (std::size_t i = 0; i < part.edges.size(); ++i) {
+    const bool ends_there = odd.contains(strut_of(i).from) || odd.contains(strut_of(i).to);
+    if (is_used(i) && ends_there) edges.insert(part.edges[i]);
+  }
+  return edges;
 }
 
 std::optional<Eigen::Matrix3d> CovarianceByPlan(const Eigen::Matrix3d& solved) {

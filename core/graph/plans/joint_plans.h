@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/graph/graph_snapshot.h"
@@ -45,8 +46,11 @@ void AddEdge(std::size_t from, std::size_t to, const Pose2& T_from_to, const Eig
 // Of each node, whether enabled edges join it to the root.
 std::vector<char> JoinedNodes(const JointGraph& joint);
 
-// The length of a strut by that in the plan; 1 for short ones, which may be stretched in any way.
-double StretchOf(const JointGraph& joint, const PlanPart& part, std::size_t strut);
+// The edges of sightings that are in doubt: a wall that was seen would be stretched to less than 0.7 or more than 1.4
+// of its length, and they are of walls that meet at that end of it which has moved otherwise than the corners around.
+// One of them has been taken for another. Walls of less than 2 m may be stretched in any way. Of sightings that count
+// only.
+std::set<std::size_t> EdgesAroundStretched(const JointGraph& joint, const PlanPart& part);
 
 // Of the pose of a map that only plans join, given that by the solution: with what SLAM bends maps. Unset: it is not
 // known well enough.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -25,8 +26,6 @@ constexpr double kHuberWidth = 2.0;
 constexpr double kWidths[] = {10.0, 3.0, 2.45};
 constexpr double kGate = 0.99;      // of sightings and struts
 constexpr double kTolerance = 2.0;  // of chi-squared: the error of one corner strains all struts that meet there
-constexpr double kLeastStretch = 0.7;
-constexpr double kMostStretch = 1.4;
 
 // One attempt, with some of the plans.
 class PlanSolve {
@@ -69,7 +68,8 @@ class PlanSolve {
     }
     for (int round = 0;; ++round) {
       ENFILADE_RETURN_IF_ERROR(Solve({}));
-      if (round >= options_.max_rounds || !(SwitchOffWorst() || UseAgain())) return absl::OkStatus();
+      if (round >= options_.max_rounds) return absl::OkStatus();
+      if (!SwitchOffWorst() && !UseAgain() && !SwitchOffStretched()) return absl::OkStatus();
     }
   }
 
@@ -100,12 +100,6 @@ class PlanSolve {
       use.contradiction =
           fmt::format("it would have to be bent too much: chi-squared {:.0f} of {} degrees of freedom, at most {:.0f}",
                       strain.chi2, strain.degrees_of_freedom, strain.limit);
-    }
-    for (const std::size_t strut : part.seen_struts) {
-      const double stretch = StretchOf(joint_, part, strut);
-      if (!use.contradiction.empty() || (stretch >= kLeastStretch && stretch <= kMostStretch)) continue;
-      use.contradiction = fmt::format("wall {} would have to be stretched to {:.2f} of its length",
-                                      part.ties().struts[strut].wall, stretch);
     }
     const auto index = static_cast<std::size_t>(&part - parts_.data());
     use.shafts = graph::UsesOf(joint_, shafts_, parts_, report_.edge_chi2, index);
@@ -298,6 +292,20 @@ class PlanSolve {
     if (worst == judged_.end() || !worst->used || Excess(*worst) <= 1.0) return false;
     Use(*worst, false);
     return true;
+  }
+
+  // Sightings around walls that would be stretched too much, for good, so that the rounds end.
+  bool SwitchOffStretched() {
+    std::set<std::size_t> doubtful;
+    for (const PlanPart& part : parts_) doubtful.merge(EdgesAroundStretched(joint_, part));
+    bool any = false;
+    for (Judged& one : judged_) {
+      if (!one.used || !doubtful.contains(one.edges.front())) continue;
+      one.returned = true;
+      Use(one, false);
+      any = true;
+    }
+    return any;
   }
 
   // At most once each, so that the rounds end.

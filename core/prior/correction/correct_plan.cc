@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/prior/correction/wall_line.h"
 #include "core/prior/correction/wall_springs.h"
 
@@ -24,12 +25,6 @@ constexpr int kReweightings = 3;
 constexpr double kMostSurprise = 6.0;  // chi-squared of a wall that counts fully
 constexpr double kOnWall = 0.3;        // m: what is so near a wall moves with it
 constexpr double kInvented = 0.1;      // of a plan's walls: buildings do not have them
-
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<WallFace> CentreLines(const PlanGraph& plan, const PlanTransform& T_map_sheet) {
   std::vector<WallFace> lines;
