@@ -49,7 +49,7 @@ TEST_F(AlignMapsTest, FindsThePlaceFromAPoorGuessAndStoresNothing) {
   const MapPair pair = TwoMapsOfABuilding(kBuilding);
   Import("b", pair.a);
   Import("c", pair.b);
-  ASSERT_OK_AND_ASSIGN(const std::int64_t version, graph_store_.GetVersion(Soon(), site_));
+  const std::int64_t version = AwaitSolution().graph_version();
   const Pose2 guess = pair.T_a_b * Pose2{2.0, -2.2, 20 * kDegree};
   ASSERT_OK_AND_ASSIGN(const v1::AlignMapsResponse found, Call(&Stub::AlignMaps, Request("b", "c", guess)));
   EXPECT_TRUE(found.accepted()) << found.reason();
