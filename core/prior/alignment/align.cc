@@ -19,8 +19,9 @@
 namespace enfilade::prior {
 namespace {
 
-constexpr double kAskew = 0.05;      // rad
-constexpr double kUsualScale = 1.3;  // by which plans are larger or smaller than their files say
+constexpr double kAskew = 0.05;           // rad
+constexpr double kUsualScale = 1.3;       // by which plans are larger or smaller than their files say
+constexpr std::size_t kMostCompared = 8;  // places that are judged by evidence
 
 Alignment ToAlignment(const Candidate& candidate) {
   Alignment alignment;
@@ -127,6 +128,7 @@ Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<JudgedPlace>& 
   if (!ObjectionTo(alignment, options).empty()) return refused;
   double rival = 0;
   for (auto other = twins.begin() + 1; other != twins.end(); ++other) rival = std::max(rival, other->place.score);
+  alignment.log_odds = margin;
   alignment.rival_ratio = best.score / rival;
   if (alignment.rival_ratio < 1) return refused;
   alignment.accepted = true;
@@ -157,6 +159,21 @@ double SumOfSquares(const PairFit& fit) {
   const std::vector<double>& residuals = fit.residuals;
   const double all = std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
   return fit.wrong ? all - residuals[*fit.wrong] * residuals[*fit.wrong] : all;
+}
+
+// Whether a place that fits better than any other is also likelier than those next to it. `ranked`: the best one first.
+void Confirm(const PlanGraph& plan, const MapEvidence& evidence, const std::vector<Candidate>& ranked,
+             const AlignOptions& options, Alignment& alignment) {
+  if (options.log_evidence == nullptr || ranked.size() < 2) return;
+  const std::size_t compared = std::min(ranked.size(), kMostCompared);
+  const auto end = ranked.begin() + static_cast<std::ptrdiff_t>(compared);
+  const std::vector<JudgedPlace> others = JudgedByEvidence(plan, evidence, {ranked.begin() + 1, end}, options);
+  alignment.log_odds = options.log_evidence(plan, evidence, ranked.front().transform) - others.front().evidence;
+  if (alignment.log_odds >= options.confirming_evidence) return;
+  alignment.accepted = false;
+  alignment.reason =
+      fmt::format("corrected at another place the plan is nearly as likely: log odds {:.0f}, {:.0f} are needed",
+                  alignment.log_odds, options.confirming_evidence);
 }
 
 }  // namespace
@@ -219,7 +236,8 @@ Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, cons
   const Aligner aligner(plan, evidence, options);
   const std::vector<Candidate> plain = aligner.Ranked(aligner.Finalists(Stretch::kNone));
   std::vector<Candidate> all = plain;
-  const Alignment alignment = Verdict(plan, plain, options);
+  Alignment alignment = Verdict(plan, plain, options);
+  if (alignment.accepted && options.known_shape) Confirm(plan, evidence, plain, options, alignment);
   if (alignment.accepted) return alignment;
   // With more freedom wrong plans fit better, too, so more is asked of a place.
   AlignOptions strict = options;

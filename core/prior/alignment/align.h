@@ -27,6 +27,8 @@ struct Alignment {
   Agreement agreement;
   // How much better it fits than the best other place; 0: no other was compared (people showed the place).
   double rival_ratio = 0;
+  // nats by which it is likelier than the likeliest of the other places that were judged by evidence; 0: none was.
+  double log_odds = 0;
 };
 
 struct AlignOptions {
@@ -49,6 +51,8 @@ struct AlignOptions {
   // wall's metres tell alike, and walls have about four: 4 ln(100).
   double least_evidence = 18.4;
   double mirror_evidence = 2.2;  // and more, if it is mirrored and the next is not: one plan of ten is, ln(9)
+  // Of a known shape a place that fits so much better than any other must be ten times as likely, too: 4 ln(10).
+  double confirming_evidence = 9.2;
   // The distortions to try.
   TransformModel widest_model = TransformModel::kAffine;
   // A distortion is taken if it leaves at most this share of what the simpler one leaves unexplained.
@@ -79,7 +83,8 @@ absl::StatusOr<Alignment> AlignByPairs(const PlanGraph& plan, const MapEvidence&
 // of the map's walls, is contradicted by little of what the map knows, and fits so much better than any other place. If
 // none is accepted, shapes whose axes have different scales are tried, which must meet the limits of a sure place. If a
 // few places fit nearly alike, and all others worse, the one at which the corrected plan is much the likeliest is
-// taken.
+// taken. Maps that are aligned by a known shape are small, and fit at many places: of these the best one must also be
+// the likeliest.
 Alignment AlignByItself(const PlanGraph& plan, const MapEvidence& evidence, const AlignOptions& options);
 
 // From a place that is about right: the plan is moved onto the map's walls. Accepted if it explains enough and is

@@ -26,7 +26,14 @@ constexpr std::size_t kQuickPoints = 500;
 constexpr double kSamePlace = 1.0;      // m
 constexpr double kJudgedReach = 1.5;    // m
 constexpr double kOneDirection = 0.02;  // of the walls' lengths that lie in another direction
-constexpr RefineOptions kQuickly = {.widest = 3.0, .narrowest = 0.5, .rounds = 10, .most_points = kQuickPoints};
+
+RefineOptions Quickly(const AlignOptions& options) {
+  return {.model = options.known_shape ? TransformModel::kRigid : TransformModel::kSimilarity,
+          .widest = 3.0,
+          .narrowest = 0.5,
+          .rounds = 10,
+          .most_points = kQuickPoints};
+}
 
 void SortByScore(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -103,7 +110,7 @@ std::vector<Candidate> Aligner::Search(Stretch stretch) const {
 
 std::vector<Candidate> Aligner::Finalists(Stretch stretch) const {
   std::vector<Candidate> candidates = Search(stretch);
-  RefineAll(candidates, kQuickly);
+  RefineAll(candidates, Quickly(options_));
   candidates = Distinct(candidates, kSamePlace, kMostFinalists);
   ForEachIndex(candidates.size(), options_.threads,
                [&](std::size_t i) { candidates[i] = BestModel(candidates[i], 1.5); });
@@ -120,7 +127,7 @@ std::vector<Candidate> Aligner::Twins(const Candidate& candidate) const {
     shapes.push_back({candidate.transform.linear * axes * signs.asDiagonal() * axes.transpose(), candidate.model});
   }
   std::vector<Candidate> twins = FindAll(SheetSearch(faces_, evidence_, kFineCells), shapes, options_);
-  RefineAll(twins, kQuickly);
+  RefineAll(twins, Quickly(options_));
   twins = Distinct(twins, kSamePlace, kMostTwins);
   ForEachIndex(twins.size(), options_.threads, [&](std::size_t i) { twins[i] = BestModel(twins[i], 1.5); });
   return twins;
@@ -154,6 +161,7 @@ void Aligner::Judge(Candidate& candidate) const {
 
 Candidate Aligner::BestModel(const Candidate& start, double widest) const {
   Candidate best = start;
+  if (options_.known_shape) return OfKnownShape(start, widest);
   for (const TransformModel model :
        {TransformModel::kSimilarity, TransformModel::kAnisotropic, TransformModel::kAffine}) {
     if (FreedomOf(model) > FreedomOf(options_.widest_model) || IsStopped(options_)) break;
@@ -168,6 +176,17 @@ Candidate Aligner::BestModel(const Candidate& start, double widest) const {
   return best;
 }
 
+Candidate Aligner::OfKnownShape(const Candidate& start, double widest) const {
+  Candidate held = start;
+  held.transform = Refine(faces_, evidence_, start.transform, {.model = TransformModel::kRigid, .widest = widest});
+  Judge(held);
+  Candidate scaled = held;
+  scaled.transform = Refine(faces_, evidence_, held.transform, {.model = TransformModel::kSimilarity, .widest = 1.0});
+  Judge(scaled);
+  const double growth = scaled.transform.scale() / options_.known_shape->scale();
+  return std::abs(growth - 1) <= kKnownScale && scaled.score > held.score ? scaled : held;
+}
+
 Candidate Aligner::RefinedFrom(Candidate start, double within) const {
   Judge(start);
   const Candidate refined = BestModel(start, within);
@@ -176,7 +195,7 @@ Candidate Aligner::RefinedFrom(Candidate start, double within) const {
 
 // The place without its distortion, if that explains the map nearly as well.
 Candidate Aligner::Simplest(const Candidate& candidate) const {
-  if (candidate.model == TransformModel::kSimilarity) return candidate;
+  if (candidate.model == TransformModel::kSimilarity || options_.known_shape) return candidate;
   Candidate simple{.transform = AsSimilarity(candidate.transform, map_centre()), .agreement = {}};
   simple = BestModel(simple, 1.5);
   return 1 - candidate.score < options_.most_left * (1 - simple.score) ? candidate : simple;

@@ -38,7 +38,8 @@ class Aligner {
   // The finalists of one search or several, the best first, each place once. The best is compared with its twins.
   std::vector<Candidate> Ranked(std::vector<Candidate> candidates) const;
   void Judge(Candidate& candidate) const;
-  // The simplest model, from that of the start on, that explains the map nearly as well as any.
+  // The simplest model, from that of the start on, that explains the map nearly as well as any; if the shape is known,
+  // that, of a size within kKnownScale.
   Candidate BestModel(const Candidate& start, double widest) const;
   // The same from a place that nobody has judged, and that may be `within` (m) of where the plan lies; the start itself
   // if that fits better.
@@ -53,6 +54,7 @@ class Aligner {
   std::vector<Candidate> Search(Stretch stretch) const;
   std::vector<Candidate> Twins(const Candidate& candidate) const;
   void RefineAll(std::vector<Candidate>& candidates, const RefineOptions& options) const;
+  Candidate OfKnownShape(const Candidate& start, double widest) const;
   Candidate Simplest(const Candidate& candidate) const;
   std::vector<Candidate> Distinct(const std::vector<Candidate>& sorted, double apart, std::size_t most) const;
   Eigen::Vector2d map_centre() const;

@@ -52,12 +52,13 @@ struct PlanFit {
   std::vector<AddedWall> added = {};  // walls that the plan does not have
 };
 
-// Each map is aligned with the plan. One that is accepted tells the plan's scale, and whether it is mirrored, to those
-// that fit at several places. Maps in which the plan is accepted are joined by it, and the plan is corrected with all
-// of them; the others are left out. It is refused if the first map is; and if people have shown a place where even the
-// corrected plan explains less than 35 % of the map's walls there, or is contradicted by more than 20 % of what the map
-// knows. INVALID_ARGUMENT: no map, a map without walls (named by its number), pairs that determine nothing (FitPairs),
-// maps too large to be joined.
+// Each map is aligned with the plan. The one of which the plan explains most tells the others the plan's shape: its
+// scale, its stretch, and whether it is mirrored. All others but the first, if that is accepted, are looked for with
+// that shape (AlignOptions::known_shape). Maps in which the plan is accepted are joined by it, those first of which it
+// explains most; one that contradicts those before it is left out. The plan is corrected with all of them. It is
+// refused if the first map is; and if people have shown a place where even the corrected plan explains less than 35 %
+// of the map's walls there, or is contradicted by more than 20 % of what the map knows. INVALID_ARGUMENT: no map, a map
+// without walls (named by its number), pairs that determine nothing (FitPairs), maps too large to be joined.
 absl::StatusOr<PlanFit> FitPlan(const PlanGraph& plan, const std::vector<grid::OccupancyGrid>& maps,
                                 const FitOptions& options);
 

@@ -7,6 +7,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
+#include "core/prior/alignment/agreement.h"
 #include "core/prior/alignment/refine.h"
 
 namespace enfilade::prior {
@@ -60,6 +61,27 @@ Pose2 RefineAmong(const MapEvidence& evidence, const MapEvidence& others, const 
                                        {.model = TransformModel::kRigid, .widest = 1.0, .narrowest = 0.2});
   const double yaw = std::atan2(refined.linear(1, 0), refined.linear(0, 0));
   return Inverse(Pose2{refined.offset.x(), refined.offset.y(), yaw});
+}
+
+double ContradictedShare(const MapEvidence& map, const MapEvidence& other, const Pose2& T_other_map) {
+  constexpr double kLeastCommon = 3.0;  // m
+  double common = 0;
+  double contradicted = 0;
+  const auto add = [&](const MapEvidence& of, const MapEvidence& in, const Pose2& T_in_of) {
+    for (const WallPoint& wall : of.walls) {
+      if (wall.straightness < kLeastStraight) continue;  // furniture is moved
+      const Eigen::Vector2d across = kSeenDistance * Eigen::Vector2d(-wall.along.y(), wall.along.x());
+      const auto sight = [&](double side) { return SightOf(in, T_in_of * (wall.point + side * across)); };
+      if (sight(0) == Sight::kUnseen) continue;
+      common += of.spacing;
+      // The other may have seen as far as the wall.
+      const bool is_amid = sight(-1) == Sight::kContradicted && sight(1) == Sight::kContradicted;
+      if (sight(0) == Sight::kContradicted && is_amid) contradicted += of.spacing;
+    }
+  };
+  add(map, other, T_other_map);
+  add(other, map, Inverse(T_other_map));
+  return common < kLeastCommon ? 0 : contradicted / common;
 }
 
 absl::StatusOr<grid::OccupancyGrid> Overlaid(const std::vector<PlacedMap>& maps) {

@@ -23,6 +23,10 @@ Pose2 JoinByPlan(const MapEvidence& evidence, const PlanTransform& T_map_sheet, 
 Pose2 RefineAmong(const MapEvidence& evidence, const MapEvidence& others, const CorrectedPlan& corrected,
                   const Pose2& T_frame_map);
 
+// How much of the straight walls of each of two maps, where the other knows the ground, lies amid free ground of that,
+// as a share; 0 where they have less than 3 m of such walls. `T_other_map`: where the one lies in the other.
+double ContradictedShare(const MapEvidence& map, const MapEvidence& other, const Pose2& T_other_map);
+
 struct PlacedMap {
   const grid::OccupancyGrid* map = nullptr;
   const MapEvidence* evidence = nullptr;  // of the map

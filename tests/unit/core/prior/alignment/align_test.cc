@@ -114,6 +114,28 @@ TEST(AlignByItselfTest, ASecondMapIsFoundWithTheShapeThatTheFirstOneTells) {
   EXPECT_LT(LargestError(plan, alignment.T_map_sheet, truth), 0.2);
 }
 
+// It would fit best if the plan were a tenth larger.
+TEST(AlignByItselfTest, AKnownShapeKeepsItsSize) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform shape = Turned(0.4, 0.05, false);
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, Turned(0.4, 0.055, false), IsLeft));
+  const Alignment alignment = prior::AlignByItself(plan, evidence, {.known_shape = shape});
+  EXPECT_NEAR(alignment.T_map_sheet.scale() / shape.scale(), 1, kKnownScale + 1e-9) << alignment.reason;
+}
+
+TEST(AlignByItselfTest, APlaceOfAKnownShapeMustAlsoBeTheLikeliest) {
+  const PlanGraph plan = DrawnBuilding();
+  const PlanTransform shape = Turned(0.4, 0.05, false);
+  const MapEvidence evidence = EvidenceOf(MapOf(plan, Pose2{4.0, -9.0, 1.2} * shape, IsLeft));
+  AlignOptions options{.known_shape = shape};
+  options.log_evidence = &LogEvidenceOf;
+  EXPECT_TRUE(prior::AlignByItself(plan, evidence, options).accepted);
+  options.log_evidence = [](const PlanGraph&, const MapEvidence&, const PlanTransform&) { return 10.0; };
+  const Alignment alignment = prior::AlignByItself(plan, evidence, options);
+  EXPECT_FALSE(alignment.accepted);
+  EXPECT_THAT(alignment.reason, testing::HasSubstr("the plan is nearly as likely: log odds 0, 9 are needed"));
+}
+
 TEST(PlanTransformTest, IsASimilarityWithoutItsDistortion) {
   const PlanTransform similarity = Turned(0.7, 0.05, true);
   EXPECT_TRUE(IsSimilarity(similarity));

@@ -20,6 +20,7 @@ PlanTransform Turned(double turn) {
 
 bool IsWest(const Eigen::Vector2d& sheet) { return sheet.x() < 520; }
 bool IsEast(const Eigen::Vector2d& sheet) { return sheet.x() > 330; }
+bool IsMost(const Eigen::Vector2d& sheet) { return sheet.x() < 800; }
 bool IsRoom(const Eigen::Vector2d& sheet) { return sheet.x() < 102 && sheet.y() < 202; }
 
 constexpr Pose2 kPlaceOfSecond{12.0, -4.0, 2.2};  // T_first_second
@@ -53,6 +54,20 @@ TEST(FitPlan, LeavesOutAMapThatFitsInManyPlaces) {
   EXPECT_TRUE(fit->alignment.accepted);
   EXPECT_FALSE(fit->maps[1].T_first_map.has_value());
   EXPECT_FALSE(fit->maps[1].alignment.accepted);
+}
+
+// It has walls where the first map has seen free ground.
+TEST(FitPlan, LeavesOutAMapThatContradictsTheOthers) {
+  const PlanGraph plan = DrawnBuilding();
+  PlanGraph walled = plan;
+  for (const double x : {260.0, 360.0, 420.0, 500.0}) DrawWall(walled, {x, 210}, {x, 240});
+  DrawWall(walled, {30, 225}, {490, 225});
+  const auto fit = FitPlan(plan, {Seen(plan, {}, IsWest), Seen(walled, Inverse(kPlaceOfSecond), IsMost)}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_TRUE(fit->alignment.accepted);
+  EXPECT_FALSE(fit->maps[1].T_first_map.has_value());
+  EXPECT_FALSE(fit->maps[1].alignment.accepted);
+  EXPECT_THAT(fit->maps[1].alignment.reason, testing::HasSubstr("other maps know lie in free ground"));
 }
 
 // 34 m x 24 m, with the same rooms on both sides of a corridor, but for a wall that is `aside` (m).
