@@ -81,7 +81,7 @@ class Chain:
     """Maps of parts of the drive, and where each lies in the first if it begins where the one before ends."""
 
     def __init__(self, building, share, parts):
-        self.folder = building.folder / f"noise-{share:.1f}"
+        self.folder = building.folder / f"noise-{share:.1f}-{parts}"
         self.folder.mkdir(exist_ok=True)
         self.truth = timed(building.robots[0] / "truth.txt")
         log = disturbed(building.robots[0] / "log.jsonl", share, random.Random(f"noise {building.seed}"),
@@ -181,10 +181,13 @@ def timed(path):
     return dict(zip((line.split()[0] for line in path.read_text().splitlines()), read_poses(path)))
 
 
-def clicks_in(building, first):
-    """On two corners that the first map has seen, 8 m apart, or else the two that are farthest apart."""
+def clicks_in(building, map_yaml, place=(0j, 0.0)):
+    """In the map's frame, on two corners that it has seen, 8 m apart, or else the two that are farthest apart. `place`: where
+    the map lies in that of the whole drive."""
     plan = building.plan
-    seen = Sight(plan, Cells(Raster(first).walls())).corners_of["seen"]
+    walls = Cells(times(place, (wall, 0.0))[0] for wall in Raster(map_yaml).walls())
+    seen = Sight(plan, walls).corners_of["seen"]
     pairs = sorted((abs(plan.true[a] - plan.true[b]), a, b) for a in seen for b in seen if a < b)
     far = [pair for pair in pairs if pair[0] >= BASELINE] or pairs[-1:]
-    return building.pairs(random.Random(building.number), [pair[1:] for pair in far])
+    clicks = building.pairs(random.Random(building.number), [pair[1:] for pair in far])
+    return [(on_sheet, between(place, (in_map, 0.0))[0]) for on_sheet, in_map in clicks]

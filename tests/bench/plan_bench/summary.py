@@ -76,6 +76,14 @@ def of_noise(mode, found):
     return result
 
 
+def of_orders(mode, found):
+    """Solutions that differ by less than a millimetre are the same; the unit is in the names."""
+    whole = [one for one in found if one["accepted"] == one["orders"]]
+    return {"of": len(found), "placed_in_all_orders": len(whole), "same": sum(one["apart_m"] <= 0.001 for one in whole),
+            "apart_m": {"median": median([one["apart_m"] for one in whole]),
+                        "worst": max((one["apart_m"] for one in whole), default=None)}}
+
+
 def of_chain(mode, found):
     result = {}
     for level in found[0] if found else ():
@@ -114,7 +122,7 @@ def of_routes(mode, found):
 
 
 OF = {"by_itself": of_places_found, "site": of_places_found, "ties": of_places_found, "pairs": of_pairs,
-      "coverage": of_coverage, "noise": of_noise, "chain": of_chain, "associations": of_associations, "usual_associations": of_associations,
+      "coverage": of_coverage, "noise": of_noise, "chain": of_chain, "orders": of_orders, "associations": of_associations, "usual_associations": of_associations,
       "doors": lambda mode, found: doors.summary(found), "routes": of_routes}
 
 
