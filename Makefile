@@ -4,7 +4,7 @@ PRESET ?= release
 BIN := build/$(PRESET)/bin
 JOBS ?= $(shell nproc)
 # Tests wait for servers, browsers and clocks much of the time.
-TEST_JOBS ?= $(shell expr $(JOBS) + 2)
+TEST_JOBS ?= $(shell expr $(JOBS) + 1)
 # More lists of deploy/packages that a target needs.
 PACKAGES ?=
 SEEDS ?= 20
