@@ -57,6 +57,19 @@ std::string ObjectionTo(const Alignment& alignment, const AlignOptions& options)
   return "";
 }
 
+// The same of a place that nobody has shown. Plans of other floors explain half of a map, too: its outer walls and
+// shafts. They are contradicted by more than the right ones.
+std::string ObjectionToFound(const Alignment& alignment, const AlignOptions& options) {
+  const Agreement& agreement = alignment.agreement;
+  std::string objection = ObjectionTo(alignment, options);
+  if (!objection.empty() || agreement.explained >= options.sure_explained) return objection;
+  if (agreement.contradicted() <= options.most_contradicted_unsure) return "";
+  return fmt::format(
+      "{:.0f} % of the plan's walls that the map knows lie in free ground, at most {:.0f} % may where it explains "
+      "{:.0f} % of the map's walls",
+      100 * agreement.contradicted(), 100 * options.most_contradicted_unsure, 100 * agreement.explained);
+}
+
 bool IsAllowed(const PlanTransform& transform, const AlignOptions& options) {
   return options.widest_model != TransformModel::kSimilarity || IsSimilarity(transform);
 }
@@ -84,7 +97,7 @@ Alignment Verdict(const PlanGraph& plan, const std::vector<Candidate>& ranked, c
   Alignment alignment = ToAlignment(ranked.front());
   const double rival = ranked.size() > 1 ? ranked[1].score : 0;
   alignment.rival_ratio = rival > 0 ? ranked.front().score / rival : 99;
-  alignment.reason = ObjectionTo(alignment, options);
+  alignment.reason = ObjectionToFound(alignment, options);
   const bool sure = alignment.agreement.explained >= options.sure_explained &&
                     alignment.agreement.contradicted() <= options.sure_contradicted;
   const double needed =
@@ -125,7 +138,7 @@ Alignment VerdictOnTwins(const PlanGraph& plan, const std::vector<JudgedPlace>& 
   const double margin = twins[0].evidence - twins[1].evidence;
   Alignment alignment = ToAlignment(best);
   if (margin < NeededEvidence(best.transform, twins[1].place.transform, options)) return refused;
-  if (!ObjectionTo(alignment, options).empty()) return refused;
+  if (!ObjectionToFound(alignment, options).empty()) return refused;
   double rival = 0;
   for (auto other = twins.begin() + 1; other != twins.end(); ++other) rival = std::max(rival, other->place.score);
   alignment.log_odds = margin;

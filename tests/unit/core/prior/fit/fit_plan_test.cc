@@ -141,6 +141,21 @@ TEST(FitPlan, RefusesAPlanThatIsRefusedInTheFirstMap) {
   EXPECT_EQ(fit->corrected, nullptr);
 }
 
+// It has the same outer walls and three more, and one of its own.
+TEST(FitPlan, RefusesAPlanOfAnotherFloor) {
+  const PlanGraph here = DrawnBuilding();
+  PlanGraph other;
+  for (std::size_t i = 0; i < 6; ++i) {  // the outer ones
+    DrawWall(other, here.corners[2 * i].point, here.corners[2 * i + 1].point);
+  }
+  for (const double x : {100.0, 240.0, 320.0}) DrawWall(other, {x, 0}, {x, 200});
+  DrawWall(other, {0, 340}, {680, 340});
+  const auto fit = FitPlan(other, {Seen(here, {}, [](const auto&) { return true; })}, {});
+  ASSERT_TRUE(fit.ok()) << fit.status();
+  EXPECT_FALSE(fit->alignment.accepted);
+  EXPECT_THAT(fit->alignment.reason, testing::HasSubstr("lie in free ground, at most 12 % may where it explains"));
+}
+
 TEST(FitPlan, ModesDifferInWhatFollowsTheSeenWalls) {
   const PlanGraph plan = DrawnBuilding();
   // Drawn 6 % too long along x.
