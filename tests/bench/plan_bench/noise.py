@@ -147,6 +147,13 @@ def link_point(name, maps, link):
     return {"created": {"name": name, "kind": "KIND_OPENING", "anchors": [anchor(maps[0], *link), anchor(maps[1], 0j, 0.0)]}}
 
 
+def solved_places(tool, names):
+    """Of maps of a site in the world, once its graph is solved."""
+    tool("graph", "optimize")
+    poses = [json.loads(tool("pose", "global", "--at", f"{name},0,0,0"))["pose_world_robot"] for name in names]
+    return [(complex(pose["x"], pose["y"]), pose["yaw"]) for pose in poses]
+
+
 def linked(building, chain, share):
     of_site = f"chain-{building.seed}-{100 * share:.0f}-{os.getpid()}"
     tool = site.tool_on(building, of_site)
@@ -160,18 +167,13 @@ def linked(building, chain, share):
         for a, b, link in zip(names, names[1:], chain.links)]}))
     tool("graph", "change", changes)
 
-    def places():
-        """Once the graph is solved."""
-        tool("graph", "optimize")
-        poses = [json.loads(tool("pose", "global", "--at", f"{name},0,0,0"))["pose_world_robot"] for name in names]
-        return [(complex(pose["x"], pose["y"]), pose["yaw"]) for pose in poses]
-    found = {"chain": chain.error(places())}
+    found = {"chain": chain.error(solved_places(tool, names))}
     clicks = building.written(clicks_in(building, chain.maps[0]), f"site-{share:.1f}")
     tool("prior", "add", building.plan.geojson, "--name", "plan")
     report = json.loads(tool("prior", "align", "plan", "--pairs", clicks, "--activate"))
     found["plan"] = {"accepted": report["accepted"], "reason": report["reason"]}
     if report["accepted"]:
-        found["full"] = chain.error(places())
+        found["full"] = chain.error(solved_places(tool, names))
         state = json.loads(tool("prior", "show", "plan"))
         found["plan"] |= {"state": state["state"], "reason": state["reason"], "maps": len(report["alignment"]["maps"])}
     return found

@@ -50,8 +50,7 @@ def after(building, chain, order):
         if not report["accepted"]:
             return {"accepted": False, "reason": report["reason"], "ate_m": None}
         tool("graph", "optimize")
-    poses = [json.loads(tool("pose", "global", "--at", f"part{part},0,0,0"))["pose_world_robot"] for part in range(SESSIONS)]
-    poses = [(complex(pose["x"], pose["y"]), pose["yaw"]) for pose in poses]
+    poses = noise.solved_places(tool, [f"part{part}" for part in range(SESSIONS)])
     relative = [noise.between(poses[0], pose) for pose in poses]
     return {"accepted": True, "reason": report["reason"], "ate_m": chain.error(relative)["ate_m"],
             "places": relative}
