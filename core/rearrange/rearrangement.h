@@ -25,7 +25,8 @@ struct SessionCut {
   friend bool operator==(const SessionCut&, const SessionCut&) = default;
 };
 
-// What a session has mapped moves rigidly into the frame of another map, out of the map that it is in now.
+// What a session has mapped moves rigidly out of the map that it is in now into the frame of another one, or to another
+// place in the same map.
 struct SessionMove {
   SessionId session = {};
   MapId to = {};

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/survey/drive_rooms.h"
+#include "core/survey/map_places.h"
 #include "core/survey/map_plan.h"
 #include "fmt/format.h"
 
@@ -22,12 +23,12 @@ class MapArranger {
  public:
   MapArranger(const LevelSurvey& survey, const SurveyOptions& options, const std::function<std::string()>& new_id,
               RoomsOfDrives found)
-      : survey_(survey), map_name_(options.map_name), reach_(options.reach), new_id_(new_id), found_(std::move(found)) {
+      : survey_(survey), options_(options), new_id_(new_id), found_(std::move(found)) {
     DeferLaterCuts();
   }
 
   void Run(const rooms::RoomPartition& partition) {
-    PlaceMaps();
+    plan_.T_level_map = PlaceMaps(survey_, options_);
     ChooseMaps();
     ChooseCabins(partition);
     BeginMaps();
@@ -78,24 +79,6 @@ class MapArranger {
       least = larger;
     }
     if (cut != begin) kept.push_back(*cut);
-  }
-
-  // A map's frame is where its longest session has it.
-  void PlaceMaps() {
-    std::map<MapId, double> longest;
-    for (const Drive& drive : survey_.drives) {
-      for (const SurveyedSession& session : drive) {
-        const std::optional<Pose2> place = PlaceOf(session);
-        if (!place) continue;
-        double length = 1e-6;
-        for (std::size_t i = 1; i < session.visits.size(); ++i) {
-          length += Between(session.visits[i - 1].T_map_robot, session.visits[i].T_map_robot).translation().norm();
-        }
-        if (length <= longest[session.map]) continue;
-        longest[session.map] = length;
-        plan_.T_level_map[session.map] = *place;
-      }
-    }
   }
 
   void ChooseMaps() {
@@ -221,7 +204,7 @@ class MapArranger {
       if (model == nullptr || !place) continue;
       rearrange::MapSeed seed;
       seed.id = MapId(new_id_());
-      seed.name_prefix = map_name_;
+      seed.name_prefix = options_.map_name;
       seed.level = survey_.level;
       seed.environment = model->environment;
       seed.slam_profile = model->slam_profile;
@@ -282,7 +265,7 @@ class MapArranger {
     const graph::Anchor* cabin = door->FindAnchor(entry.cabin);
     if (hall == nullptr || cabin == nullptr || plan_.successors.contains(entry.cabin)) return;
     const bool reached = std::any_of(entry.visits.begin(), entry.visits.end(), [&](const Visit& visit) {
-      return Between(hall->T_map_place, visit.T_map_robot).translation().norm() >= reach_;
+      return Between(hall->T_map_place, visit.T_map_robot).translation().norm() >= options_.reach;
     });
     if (!reached || session.visits.empty()) return;
     const SessionId rest(new_id_());
@@ -294,8 +277,15 @@ class MapArranger {
     const std::optional<Pose2> place = PlaceOf(session);
     if (!place) return;
     driven_into_[session.map][target] += static_cast<double>(session.visits.size());
-    if (target == session.map) return;
+    if (target == session.map && !MovesWithinMap(piece, session)) return;
     result_.moves.push_back({piece, target, Between(plan_.T_level_map.at(target), *place)});
+  }
+
+  // A session that stays in its map goes where the survey has it by now. The rest of one that is cut waits for the next
+  // survey; people have decided how sessions of pinned maps lie.
+  bool MovesWithinMap(const SessionId& piece, const SurveyedSession& session) const {
+    return piece == session.id && !IsPinned(session.map) &&
+           IsOutOfPlace(session, plan_.T_level_map.at(session.map), options_);
   }
 
   // Rides stay in their cabin if its map becomes another room's.
@@ -363,8 +353,7 @@ class MapArranger {
   }
 
   const LevelSurvey& survey_;
-  const std::string& map_name_;
-  const double reach_;
+  const SurveyOptions& options_;
   const std::function<std::string()>& new_id_;
   RoomsOfDrives found_;
   MapPlan plan_;

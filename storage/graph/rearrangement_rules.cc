@@ -8,7 +8,7 @@
 namespace enfilade::storage {
 namespace {
 
-absl::Status CheckMoved(const SiteId& site, const SessionId& session, const MapId& to,
+absl::Status CheckMoved(const SiteId& site, const SessionId& session,
                         const std::map<SessionId, SessionToRearrange>& sessions) {
   const auto found = sessions.find(session);
   const std::string name = NameOf(site, session);
@@ -17,7 +17,6 @@ absl::Status CheckMoved(const SiteId& site, const SessionId& session, const MapI
   if (stored.state == SessionState::kRecording) return FailedPrecondition("{} is still recording", name);
   if (stored.state == SessionState::kFinished) return FailedPrecondition("{} is still being mapped", name);
   if (stored.map.empty()) return FailedPrecondition("{} has no map", name);
-  if (stored.map == to) return InvalidArgument("{} is in map {} already", name, stored.map.value());
   return absl::OkStatus();
 }
 
@@ -56,7 +55,7 @@ absl::Status CheckRearrangedSessions(const SiteId& site, const rearrange::Rearra
                                      const std::map<SessionId, SessionToRearrange>& sessions) {
   std::map<SessionId, SessionId> cut_from;
   for (const rearrange::SessionCut& cut : rearrangement.cuts) {
-    ENFILADE_RETURN_IF_ERROR(CheckMoved(site, cut.session, MapId(), sessions));
+    ENFILADE_RETURN_IF_ERROR(CheckMoved(site, cut.session, sessions));
     const SessionToRearrange& stored = sessions.at(cut.session);
     if (stored.state != SessionState::kMapped || stored.records_deleted) {
       return FailedPrecondition("{} cannot be cut: {}", NameOf(site, cut.session),
@@ -66,7 +65,7 @@ absl::Status CheckRearrangedSessions(const SiteId& site, const rearrange::Rearra
   }
   for (const rearrange::SessionMove& move : rearrangement.moves) {
     const auto rest = cut_from.find(move.session);
-    ENFILADE_RETURN_IF_ERROR(CheckMoved(site, rest == cut_from.end() ? move.session : rest->second, move.to, sessions));
+    ENFILADE_RETURN_IF_ERROR(CheckMoved(site, rest == cut_from.end() ? move.session : rest->second, sessions));
   }
   return absl::OkStatus();
 }

@@ -34,8 +34,7 @@ struct SessionToRearrange {
   bool records_deleted = false;
 };
 // `sessions`: those that are cut or moved; one that does not exist is missing. NOT_FOUND; FAILED_PRECONDITION: a
-// session that is still recorded or mapped, that has no map, or that cannot be cut; INVALID_ARGUMENT: one that is in
-// the map already to which it would move.
+// session that is still recorded or mapped, that has no map, or that cannot be cut.
 absl::Status CheckRearrangedSessions(const SiteId& site, const rearrange::Rearrangement& rearrangement,
                                      const std::map<SessionId, SessionToRearrange>& sessions);
 

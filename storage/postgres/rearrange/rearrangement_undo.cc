@@ -177,7 +177,8 @@ constexpr Statement kRestoreRobotPoses{
     "     || jsonb_build_object('point', r.before ->> 'point')) b"
     " WHERE r.site_id = $1 AND r.rearrangement_id = $2 AND r.relation = 'robot_pose' AND p.site_id = $1"
     " AND p.robot_id = r.key AND (r.after ->> 'version')::bigint = p.version"};
-// Robots that have reported since: with the session, or with the map that disappears.
+// Robots that have reported since: with the session, or with the map that disappears. $3: as when restoring, so that
+// what was restored stays.
 constexpr Statement kReturnRobotPoses{
     "moving robots' poses back",
     "UPDATE enfilade.robot_poses t SET map_id = p.source,"
@@ -185,7 +186,7 @@ constexpr Statement kReturnRobotPoses{
     "   -cos(p.yaw) * p.x - sin(p.yaw) * p.y, sin(p.yaw) * p.x - cos(p.yaw) * p.y),"
     " yaw = enfilade.wrap_angle(t.yaw - p.yaw), covariance = enfilade.rotate_covariance(t.covariance, -p.yaw),"
     " version = $3 FROM enfilade.rearrangement_parts p WHERE p.site_id = $1"
-    " AND p.rearrangement_id = $2 AND p.kind = 3 AND t.site_id = $1 AND t.map_id = p.target"
+    " AND p.rearrangement_id = $2 AND p.kind = 3 AND t.site_id = $1 AND t.map_id = p.target AND t.version <> $3"
     " AND (t.session_id = p.subject OR p.target IN (SELECT subject FROM enfilade.rearrangement_parts"
     "   WHERE site_id = $1 AND rearrangement_id = $2 AND kind = 1))"};
 constexpr Statement kRaiseLayersVersions{
@@ -324,8 +325,10 @@ absl::Status RestoreImages(Transaction& transaction, const SiteId& site, const r
         &kRestoreCurrentRevisions, &kRedirectNewMaps}) {
     transaction.Queue(*statement, key);
   }
-  transaction.Queue(kRestoreRobotPoses, Params(site, id, NewEtag()));
-  transaction.Queue(kReturnRobotPoses, Params(site, id, NewEtag()));
+  const std::int64_t version_of_poses = NewEtag();
+  for (const Statement* statement : {&kRestoreRobotPoses, &kReturnRobotPoses}) {
+    transaction.Queue(*statement, Params(site, id, version_of_poses));
+  }
   transaction.Queue(kTakeNewMaps, with_version);
   ENFILADE_RETURN_IF_ERROR(PlaceLinkPointsOf(transaction, site, id, version));
   ENFILADE_ASSIGN_OR_RETURN(const Result wrong, transaction.Execute(kFindNotRestored, key));

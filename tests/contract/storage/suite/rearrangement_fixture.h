@@ -136,6 +136,15 @@ class RearrangementFixture : public Base {
     change.rasters[1].entering.clear();
     return change;
   }
+  // s2 lies elsewhere in the lab than was thought.
+  storage::RearrangementChange Shift() {
+    storage::RearrangementChange change;
+    change.id = rearrange::RearrangementId("shift");
+    change.rearrangement.moves = {{s2_, lab_, {0.25, -0.125, 0.05}}};
+    change.graph_version = Version();
+    change.rasters = {Raster("lab", "s2", {"s2 moved"})};
+    return change;
+  }
   // s2 is cut behind its first keyframe, and its rest gets a map of its own.
   storage::RearrangementChange Cut(std::int64_t first_sequence = 2) {
     storage::RearrangementChange change;

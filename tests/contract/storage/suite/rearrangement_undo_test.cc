@@ -59,6 +59,34 @@ TEST_F(RearrangementUndoTest, SplitsAMapAndUndoesIt) {
   EXPECT_EQ(maps_.Get(Soon(), site_, lab_)->id, lab_);
 }
 
+TEST_F(RearrangementUndoTest, MovesASessionWithinItsMapAndUndoesIt) {
+  const std::string before = Everything();
+  const auto poses = mapping_.ReadTrajectory(Soon(), site_, s2_);
+  const storage::RearrangementChange shift = Shift();
+  const Pose2 T_new_old = shift.rearrangement.moves[0].T_to_from;
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, shift));
+  const auto session = sessions_.Get(Soon(), site_, s2_);
+  EXPECT_EQ(session->map, lab_);
+  EXPECT_THAT(session->entry.T_map_robot->pose, PoseNear(T_new_old * Pose2{0.5, 0.25, 0.3}, 1e-12, 1e-12));
+  const auto moved = mapping_.ReadTrajectory(Soon(), site_, s2_);
+  ASSERT_EQ(moved->poses.size(), poses->poses.size());
+  for (std::size_t i = 0; i < moved->poses.size(); ++i) {
+    EXPECT_THAT(moved->poses[i].T_map_robot, PoseNear(T_new_old * poses->poses[i].T_map_robot, 1e-12, 1e-12));
+  }
+  EXPECT_THAT(robot_poses_.Get(Soon(), site_, robot_)->T_map_robot.pose,
+              PoseNear(T_new_old * Pose2{1, 1, 0.1}, 1e-12, 1e-12));
+  const auto layers = revisions_.ReadLayersBeside(Soon(), site_, lab_, SessionId("none"));
+  ASSERT_THAT(layers->below, SizeIs(1)) << "its layer of before is gone";
+  EXPECT_EQ(layers->below[0].raster.tiles[0].sha256, TestBlob("s2 moved").sha256());
+  // What is the map's own stays where it is.
+  const auto gate = link_points_.Get(Soon(), site_, LinkPointId("gate"));
+  EXPECT_THAT(gate->point.FindAnchor(lab_)->T_map_place, PoseNear(Pose2{3, 1, 0.4}, 1e-12, 1e-12));
+  const auto evidence = link_points_.ListEvidence(Soon(), site_, {LinkPointId("gate")});
+  EXPECT_THAT(*evidence->front().T_map_robot, PoseNear(Pose2{2, 1, 0.4}, 1e-12, 1e-12));
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, shift.id));
+  EXPECT_EQ(Everything(), before);
+}
+
 TEST_F(RearrangementUndoTest, RefusesToUndoWhatWasChangedSince) {
   ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Merge()));
   const rearrange::RearrangementId id("merge");

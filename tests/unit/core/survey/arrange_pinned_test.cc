@@ -134,6 +134,13 @@ TEST(ArrangePinned, TwoPinnedMapsOfOneRoomStayTwoWithTheirLinkPoints) {
   EXPECT_THAT(Arrange(survey).redirects, SizeIs(1));
 }
 
+TEST(ArrangePinned, ASessionStaysWhereItLies) {
+  LevelSurvey survey = CorridorDrivenThreeTimes({0.3, 0.0, 0.0});
+  EXPECT_FALSE(Arrange(survey).empty());
+  MapOf(survey, "a").pinned = true;
+  EXPECT_TRUE(Arrange(survey).empty());
+}
+
 TEST(ArrangePinned, ALinkPointStaysThoughNobodyWentThroughIt) {
   LevelSurvey survey = DoubledCorridor();
   survey = After(survey, Arrange(survey));

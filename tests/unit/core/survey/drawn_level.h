@@ -204,4 +204,15 @@ inline LevelSurvey DoubledCorridor() {
   return survey;
 }
 
+// A robot was in the corridor three times: s1 for 6 m, s2 for 4 m and s3 for 3 m. They are one map, in which s1 lies by
+// `error` elsewhere than the others.
+inline LevelSurvey CorridorDrivenThreeTimes(const Pose2& error) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s1", "a", error, {{1.0, 4.0}, {7.0, 4.0}}},
+                              {"s2", "a", {}, {{7.0, 4.0}, {3.0, 4.0}}},
+                              {"s3", "a", {}, {{3.0, 4.0}, {6.0, 4.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}};
+  return survey;
+}
+
 }  // namespace enfilade::survey
