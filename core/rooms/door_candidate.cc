@@ -21,8 +21,8 @@ std::optional<Eigen::Vector2d> NearestWall(const GroundMap& ground, const Eigen:
   std::optional<Eigen::Vector2d> nearest;
   double least = 1e18;
   const int radius = static_cast<int>(reach);
-  const int column = static_cast<int>(std::lround(around.x()));
-  const int row = static_cast<int>(std::lround(around.y()));
+  const int column = Rounded(around.x());
+  const int row = Rounded(around.y());
   for (int y = row - radius; y <= row + radius; ++y) {
     for (int x = column - radius; x <= column + radius; ++x) {
       if (!ground.contains(x, y) || ground.IsOpen(x, y)) continue;
@@ -70,8 +70,8 @@ std::optional<double> WallDirectionNear(const GroundMap& ground, const Eigen::Ve
   std::array<int, 90 / kBin> count{};
   std::array<double, 90 / kBin> offset{};
   const int reach = static_cast<int>(kReach / ground.resolution);
-  const int column = static_cast<int>(std::lround(at.x()));
-  const int row = static_cast<int>(std::lround(at.y()));
+  const int column = Rounded(at.x());
+  const int row = Rounded(at.y());
   for (int y = std::max(0, row - reach); y <= std::min(ground.height - 1, row + reach); ++y) {
     for (int x = std::max(0, column - reach); x <= std::min(ground.width - 1, column + reach); ++x) {
       const int direction = ground.direction[ground.index(x, y)];

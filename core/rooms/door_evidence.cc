@@ -127,8 +127,8 @@ void LookAtJamb(const GroundMap& ground, const Eigen::Vector2d& at, JambEvidence
   int extent = 0;
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
-      const int x = static_cast<int>(std::lround(at.x())) + dx;
-      const int y = static_cast<int>(std::lround(at.y())) + dy;
+      const int x = Rounded(at.x()) + dx;
+      const int y = Rounded(at.y()) + dy;
       if (!ground.contains(x, y) || ground.IsOpen(x, y)) continue;
       ++solid;
       if (ground.at(x, y) != Ground::kWall) continue;
@@ -195,8 +195,8 @@ double AlignedShare(const GroundMap& ground, const DoorCandidate& line) {
   const Eigen::Vector2d along = line.b - line.a;
   const int degrees = static_cast<int>(std::lround(std::atan2(along.y(), along.x()) / kDegree)) + 360;
   const int reach = static_cast<int>(kReach / ground.resolution);
-  const int column = static_cast<int>(std::lround(line.middle().x()));
-  const int row = static_cast<int>(std::lround(line.middle().y()));
+  const int column = Rounded(line.middle().x());
+  const int row = Rounded(line.middle().y());
   int straight = 0;
   int aligned = 0;
   for (int y = std::max(0, row - reach); y <= std::min(ground.height - 1, row + reach); ++y) {

@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/pose2.h"
 
@@ -107,31 +112,77 @@ struct Extent {
   int length() const { return std::max(max_column - min_column, max_row - min_row) + 1; }
 };
 
+// The cells that `belongs` allows and that no group has yet, in rows that are longer by a margin on all sides: looking
+// around a cell needs no bounds, and takes one read a row.
+class CellsLeft {
+ public:
+  static constexpr int kReach = 2;
+
+  template <typename Belongs>
+  CellsLeft(const GroundMap& ground, Belongs&& belongs)
+      : width_(static_cast<std::size_t>(ground.width) + 2 * kReach),
+        left_(width_ * (static_cast<std::size_t>(ground.height) + 2 * kReach), 0) {
+    for (int row = 0; row < ground.height; ++row) {
+      for (int column = 0; column < ground.width; ++column) {
+        left_[index(column, row)] = belongs(ground.index(column, row)) ? 1 : 0;
+      }
+    }
+  }
+
+  // Whether the cell was there.
+  bool Take(int column, int row) {
+    std::uint8_t& left = left_[index(column, row)];
+    if (left == 0) return false;
+    left = 0;
+    return true;
+  }
+
+  // Takes all cells up to kReach away, and calls take(column, row) for each.
+  template <typename Call>
+  void TakeAround(int column, int row, Call&& take) {
+    for (int y = row - kReach; y <= row + kReach; ++y) {
+      std::uint8_t* first = &left_[index(column - kReach, y)];
+      std::uint32_t four = 0;  // most rows have none left
+      std::memcpy(&four, first, sizeof(four));
+      if (four == 0 && first[kSide - 1] == 0) continue;
+      for (int i = 0; i < kSide; ++i) {
+        if (std::exchange(first[i], std::uint8_t{0}) != 0) take(column - kReach + i, y);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kSide = 2 * kReach + 1;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row + kReach) * width_ + static_cast<std::size_t>(column + kReach);
+  }
+
+  std::size_t width_;
+  std::vector<std::uint8_t> left_;
+};
+
 // Calls visit(cells, extent) for each group of cells (with gaps of up to one cell) that `belongs` allows.
 template <typename Belongs, typename Visit>
 void VisitGroups(const GroundMap& ground, Belongs&& belongs, Visit&& visit) {
-  constexpr int kReach = 2;
-  std::vector<bool> seen(ground.cells.size(), false);
+  CellsLeft left(ground, belongs);
+  std::vector<std::pair<int, int>> front;
   std::vector<std::size_t> group;
-  for (std::size_t start = 0; start < ground.cells.size(); ++start) {
-    if (seen[start] || !belongs(start)) continue;
-    group.assign(1, start);
-    seen[start] = true;
-    Extent extent;
-    for (std::size_t next = 0; next < group.size(); ++next) {
-      const int column = static_cast<int>(group[next] % static_cast<std::size_t>(ground.width));
-      const int row = static_cast<int>(group[next] / static_cast<std::size_t>(ground.width));
-      extent.Add(column, row);
-      for (int y = std::max(0, row - kReach); y <= std::min(ground.height - 1, row + kReach); ++y) {
-        for (int x = std::max(0, column - kReach); x <= std::min(ground.width - 1, column + kReach); ++x) {
-          const std::size_t neighbour = ground.index(x, y);
-          if (seen[neighbour] || !belongs(neighbour)) continue;
-          seen[neighbour] = true;
-          group.push_back(neighbour);
-        }
+  for (int first_row = 0; first_row < ground.height; ++first_row) {
+    for (int first_column = 0; first_column < ground.width; ++first_column) {
+      if (!left.Take(first_column, first_row)) continue;
+      group.clear();
+      front.assign(1, {first_column, first_row});
+      Extent extent;
+      while (!front.empty()) {
+        const auto [column, row] = front.back();
+        front.pop_back();
+        extent.Add(column, row);
+        group.push_back(ground.index(column, row));
+        left.TakeAround(column, row, [&](int x, int y) { front.emplace_back(x, y); });
       }
+      visit(group, extent);
     }
-    visit(group, extent);
   }
 }
 

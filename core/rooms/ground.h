@@ -20,6 +20,10 @@ enum class Ground : std::uint8_t {
   kClutter = 3,  // a small obstacle that stands free: it bounds no room
 };
 
+// As std::lround, for values that an int can hold. Looking along lines calls it for each cell, and std::lround is a
+// call.
+inline int Rounded(double value) { return static_cast<int>(value + (value < 0.0 ? -0.5 : 0.5)); }
+
 // What a map says about the ground. Cells and lengths are in cells, with (0, 0) the centre of the lower-left cell.
 struct GroundMap {
   int width = 0;
@@ -42,9 +46,7 @@ struct GroundMap {
   }
   bool contains(int column, int row) const { return column >= 0 && column < width && row >= 0 && row < height; }
   Ground at(int column, int row) const { return contains(column, row) ? cells[index(column, row)] : Ground::kUnknown; }
-  Ground at(const Eigen::Vector2d& cell) const {
-    return at(static_cast<int>(std::lround(cell.x())), static_cast<int>(std::lround(cell.y())));
-  }
+  Ground at(const Eigen::Vector2d& cell) const { return at(Rounded(cell.x()), Rounded(cell.y())); }
   // Belongs to a room: neither wall nor unknown.
   bool IsOpen(int column, int row) const { return at(column, row) >= Ground::kOpen; }
   bool IsOpen(const Eigen::Vector2d& cell) const { return at(cell) >= Ground::kOpen; }

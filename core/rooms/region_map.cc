@@ -50,8 +50,8 @@ std::int32_t RegionBeside(const GroundMap& ground, const RegionMap& map, const D
   for (int i = 1; i < steps; ++i) {
     for (const double offset : {2.0, 3.0}) {
       const Eigen::Vector2d p = line.a + i * along + offset * aside;
-      const auto x = static_cast<int>(std::lround(p.x()));
-      const auto y = static_cast<int>(std::lround(p.y()));
+      const auto x = Rounded(p.x());
+      const auto y = Rounded(p.y());
       if (!ground.IsOpen(x, y)) continue;
       const std::int32_t region = map.region[ground.index(x, y)];
       if (region >= 0) ++votes[region];

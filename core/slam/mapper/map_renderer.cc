@@ -73,6 +73,17 @@ bool MapRenderer::Place(std::int64_t submap, const Pose2& T_map_submap,
   return true;
 }
 
+void MapRenderer::Expect(const std::map<std::int64_t, Pose2>& T_map_submaps) {
+  std::size_t staying = 0;
+  for (const auto& [submap, pose] : placed_) {
+    const auto expected = T_map_submaps.find(submap);
+    if (expected == T_map_submaps.end() || Rounded(expected->second) == pose) ++staying;
+  }
+  if (2 * staying >= placed_.size()) return;
+  placed_.clear();
+  tiles_.clear();
+}
+
 grid::OccupancyGrid MapRenderer::Render(const SubmapGrid* active, const Pose2& T_map_active) const {
   Tiles drawn;
   if (active && CellCount(Union(window_, MappedWindow(*active, Rounded(T_map_active)))) <= kMaxCells) {

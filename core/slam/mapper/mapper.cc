@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -111,11 +112,15 @@ class Mapper::Impl {
 
   // The last submap is not placed, even if it is finished: a mapper that goes on from an earlier checkpoint adds to it.
   grid::OccupancyGrid RenderGrid(MapRenderer& renderer) const {
-    for (const auto& finished : state_.finished) {
-      if (state_.is_existing_map(finished.first) || finished.first == state_.last_submap()) continue;
+    std::map<std::int64_t, Pose2> T_map_submaps;
+    for (const auto& [id, submap] : state_.finished) {
+      if (!state_.is_existing_map(id) && id != state_.last_submap()) T_map_submaps[id] = submap.T_map_submap;
+    }
+    renderer.Expect(T_map_submaps);
+    for (const auto& [id, T_map_submap] : T_map_submaps) {
       std::optional<SubmapContent> content;
-      renderer.Place(finished.first, finished.second.T_map_submap, [&]() -> const SubmapGrid& {
-        content = Decoded(finished.second);
+      renderer.Place(id, T_map_submap, [&, id = id]() -> const SubmapGrid& {
+        content = Decoded(state_.finished.at(id));
         return content->grid;
       });
     }

@@ -120,6 +120,25 @@ TEST_F(MapRendererTest, AsksForAGridOnlyWhereSomethingMoved) {
   EXPECT_EQ(asked, 2);
 }
 
+TEST_F(MapRendererTest, DrawsAllAnewIfMostMove) {
+  const auto place_all = [&](MapRenderer& renderer, const std::map<std::int64_t, Pose2>& poses) {
+    int drawn = 0;
+    renderer.Expect(poses);
+    for (const auto& [id, pose] : poses)
+      drawn += renderer.Place(id, pose, [this]() -> const SubmapGrid& { return room_; });
+    return drawn;
+  };
+  MapRenderer renderer = Renderer();
+  EXPECT_EQ(place_all(renderer, {{0, {}}, {1, {10.0, 0.0, 0.1}}, {2, {0.0, 10.0, 0.2}}}), 3);
+  EXPECT_EQ(place_all(renderer, {{0, {}}, {1, {10.0, 0.0, 0.1}}, {2, {0.0, 10.5, 0.2}}}), 1);
+  const std::map<std::int64_t, Pose2> last = {{0, {}}, {1, {10.0, 1.0, 0.1}}, {2, {0.0, 12.0, 0.2}}};
+  EXPECT_EQ(place_all(renderer, last), 3);
+  MapRenderer straight = Renderer();
+  EXPECT_EQ(place_all(straight, last), 3);
+  EXPECT_TRUE(renderer.Render(nullptr, {}) == straight.Render(nullptr, {}));
+  EXPECT_EQ(renderer.bytes(), straight.bytes());
+}
+
 TEST_F(MapRendererTest, CostsWhatWasSeenNotWhatLiesBetween) {
   MapRenderer near = Renderer();
   Place(near, 0, {});
