@@ -21,7 +21,9 @@ export async function launchToKill(profile) {
   const port = join(profile, 'DevToolsActivePort');
   rmSync(port, { force: true });
   const child = spawn(process.env.ENFILADE_CHROMIUM ?? '/usr/bin/chromium',
-    ['--headless=new', '--no-sandbox', '--no-first-run', '--enable-unsafe-swiftshader', '--remote-debugging-port=0', `--user-data-dir=${profile}`, 'about:blank'], { stdio: 'ignore' });
+    ['--headless=new', '--no-sandbox', '--no-first-run', '--enable-unsafe-swiftshader', '--remote-debugging-port=0', `--user-data-dir=${profile}`, 'about:blank'],
+    // It removes its temporary files only if it may end.
+    { stdio: 'ignore', env: { ...process.env, TMPDIR: profile } });
   const ended = new Promise((resolve) => child.once('exit', resolve));
   const [number, path] = (await until('the browser listens', () => existsSync(port) && readFileSync(port, 'utf8').includes('/') && readFileSync(port, 'utf8'))).trim().split('\n');
   const browser = await chromium.connectOverCDP(`ws://127.0.0.1:${number}${path}`);

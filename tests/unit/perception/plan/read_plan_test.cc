@@ -83,7 +83,8 @@ INSTANTIATE_TEST_SUITE_P(All, DrawnPlanTest, ::testing::ValuesIn(PlanCases()),
                          [](const auto& drawn) { return drawn.param.name; });
 
 TEST(ReadPlan, GivesTheSamePlanAfterItWasWritten) {
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "plan_round_trip.geojson";
+  const enfilade::testing::TemporaryDirectory folder;
+  const std::filesystem::path path = folder.path() / "plan_round_trip.geojson";
   const DrawnPlan drawn = enfilade::testing::DrawPlan();
   const auto plan = DecodePlan(drawn.png);
   ASSERT_TRUE(plan.ok()) << plan.status();
