@@ -9,9 +9,8 @@
 #include <utility>
 #include <variant>
 
-#include "client/simulator/campus/random_building.h"
-#include "client/simulator/campus/shipped_campuses.h"
 #include "client/simulator/simulation.h"
+#include "client/simulator/simulation_files.h"
 #include "core/base/status_macros.h"
 #include "core/doors/door_detector.h"
 #include "core/sensor/record.h"
@@ -20,12 +19,6 @@
 
 namespace enfilade::bench {
 namespace {
-
-absl::StatusOr<simulator::Campus> CampusOf(const std::string& name) {
-  constexpr std::string_view kRandom = "random:";
-  if (name.starts_with(kRandom)) return simulator::RandomBuilding(std::stoull(name.substr(kRandom.size())));
-  return simulator::ShippedCampus(name);
-}
 
 // What SLAM makes of the drive, and the truth at the same times.
 struct Mapping {
@@ -133,7 +126,7 @@ Eigen::Vector2d ToMap(const Mapping& mapping, const simulator::GroundTruth& trut
 
 absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, const MappedDriveOptions& options) {
   MappedDrive mapped;
-  ENFILADE_ASSIGN_OR_RETURN(mapped.campus, CampusOf(campus));
+  ENFILADE_ASSIGN_OR_RETURN(mapped.campus, simulator::LoadCampus(campus));
   const simulator::Robot robot = mapped.campus.robots.front();
   mapped.level = robot.level;
   simulator::SimulationOptions simulation;
@@ -143,7 +136,8 @@ absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, const MappedDriv
   ENFILADE_ASSIGN_OR_RETURN(simulator::Drive drive, simulator::SimulateDrive(world, robot.id, simulation));
   Mapping mapping;
   const std::filesystem::path file =
-      options.cache / fmt::format("{}-{}-{}.drive", campus, options.seed, options.laps.value_or(robot.laps));
+      options.cache / fmt::format("{}-{}-{}.drive", std::filesystem::path(campus).filename().string(), options.seed,
+                                  options.laps.value_or(robot.laps));
   if (options.cache.empty() || !Recall(file, mapping)) {
     mapping = MapRecords(std::move(drive.records));
     if (!options.cache.empty()) Keep(mapping, file);
