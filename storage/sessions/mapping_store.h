@@ -107,6 +107,9 @@ class MappingStore {
   // waits for its next turn. Releasing a lost lease is no error.
   virtual absl::Status Release(const CallContext& context, const SessionLease& lease,
                                std::int64_t read_sequence) const = 0;
+  // Acquire finds the session again if it has records that are not mapped: what the holder before read, but did not
+  // store. A session that does not exist is no error.
+  virtual absl::Status Queue(const CallContext& context, const SiteId& site, const SessionId& session) const = 0;
   virtual absl::StatusOr<MappingBacklog> GetBacklog(const CallContext& context) const = 0;
 
   // Stores the delta's rows, the checkpoint, the revision and the session's final state in one transaction. Returns the

@@ -125,9 +125,19 @@ absl::Status InMemoryMappingStore::Release(const storage::CallContext& context, 
   }
   if (!row->work) row->work = WorkRow{access.Now(), {}};
   row->work->turn_time = access.Now();
-  if (session.mapped_sequence >= lease.acknowledged_sequence) {
+  if (std::max(session.mapped_sequence, read_sequence) >= lease.acknowledged_sequence) {
     row->work->waiting_since = std::max(row->work->waiting_since, FromTime(lease.take_time));
   }
+  return absl::OkStatus();
+}
+
+absl::Status InMemoryMappingStore::Queue(const storage::CallContext& context, const SiteId& site,
+                                         const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(auto access, database_.Open(context));
+  SiteRows* const rows = access.FindSite(site);
+  if (rows == nullptr || !rows->sessions.contains(session)) return absl::OkStatus();
+  SessionRow& row = rows->sessions.at(session);
+  if (!row.work && storage::IsToBeMapped(WithProgress(row), 0)) row.work = WorkRow{access.Now(), {}};
   return absl::OkStatus();
 }
 

@@ -138,6 +138,7 @@ class InMemoryMappingStore final : public storage::MappingStore {
                      std::chrono::milliseconds ttl) const override;
   absl::Status Release(const storage::CallContext& context, const storage::SessionLease& lease,
                        std::int64_t read_sequence) const override;
+  absl::Status Queue(const storage::CallContext& context, const SiteId& site, const SessionId& session) const override;
   absl::StatusOr<storage::MappingBacklog> GetBacklog(const storage::CallContext& context) const override;
   absl::StatusOr<std::int64_t> Commit(const storage::CallContext& context, const storage::SessionLease& lease,
                                       const storage::MappingStep& step) const override;

@@ -3,8 +3,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <utility>
 
 #include "core/base/error.h"
@@ -66,6 +68,7 @@ Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles
 Mapping::~Mapping() {
   Stop();
   for (std::thread& worker : workers_) worker.join();
+  QueueParked(/*all=*/true);  // for the next server
   workers_done_.Set();
   lease_keeper_.join();
 }
@@ -93,6 +96,7 @@ void Mapping::Work(int worker) {
   const std::string owner = fmt::format("{}/{}", owner_, worker);
   while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();
+    QueueParked(/*all=*/false);
     if (!TakeTurn(owner)) wake_.WaitFor(kPollInterval);
     stop_.WaitFor(kMinTurnInterval - (std::chrono::steady_clock::now() - begin));
   }
@@ -157,17 +161,19 @@ absl::Status Mapping::MapForOneTurn(const storage::LeasedSession& leased, Turn& 
   }
   try {
     mapping = Unpark(leased);
+    const bool was_parked = mapping != nullptr;
     if (!mapping) {
       ENFILADE_ASSIGN_OR_RETURN(mapping, SessionMapping::Load(stores_, session_options_, leased.session));
     }
-    return MapUntilTurnEnds(leased.lease, *mapping, turn);
+    return MapUntilTurnEnds(leased.lease, *mapping, turn, was_parked);
   } catch (const std::exception& exception) {
     mapping.reset();
     return Internal("attempt {} to map the session: {}", leased.attempts, exception.what());
   }
 }
 
-absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn) {
+absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn,
+                                       bool was_parked) {
   const auto end = std::chrono::steady_clock::now() + kTurn;
   while (!turn.lease_lost && !stop_.is_set() && std::chrono::steady_clock::now() < end) {
     const slam::LogMapperCounts before = mapping.counts();
@@ -181,7 +187,7 @@ absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, Sessi
     if (progress == SessionMapping::Progress::kWaiting) break;
   }
   if (turn.lease_lost) return absl::AbortedError("the lease is lost");
-  return mapping.Store(lease);
+  return was_parked && !stop_.is_set() ? mapping.StoreIfDue(lease) : mapping.Store(lease);
 }
 
 // A parked mapping can be reused only if no other worker has had the session since.
@@ -200,9 +206,39 @@ std::unique_ptr<SessionMapping> Mapping::Unpark(const storage::LeasedSession& le
 
 void Mapping::Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
   if (mapping->ended()) return;
-  MutexLock lock(mutex_);
-  parked_.push_front({lease, std::move(mapping)});
-  if (parked_.size() > kMaxParked) parked_.pop_back();
+  std::list<Parked> evicted;
+  {
+    MutexLock lock(mutex_);
+    parked_.push_front({lease, std::move(mapping)});
+    if (parked_.size() <= kMaxParked) return;
+    // Rather one that is stored.
+    const auto stored =
+        std::find_if(parked_.rbegin(), parked_.rend(), [](const Parked& parked) { return parked.mapping->stored(); });
+    evicted.splice(evicted.end(), parked_,
+                   stored == parked_.rend() ? std::prev(parked_.end()) : std::prev(stored.base()));
+  }
+  if (!evicted.front().mapping->stored()) Queue(evicted.front().lease);
+}
+
+void Mapping::QueueParked(bool all) {
+  std::vector<storage::SessionLease> waiting;
+  {
+    MutexLock lock(mutex_);
+    for (Parked& parked : parked_) {
+      if (parked.queued || parked.mapping->stored() || !(all || parked.mapping->overdue())) continue;
+      parked.queued = true;
+      waiting.push_back(parked.lease);
+    }
+  }
+  for (const storage::SessionLease& lease : waiting) Queue(lease);
+}
+
+void Mapping::Queue(const storage::SessionLease& lease) const {
+  const absl::Status queued =
+      stores_.mappings.Queue(storage::CallContext::WithTimeout(kWorkTimeout), lease.site, lease.session);
+  if (queued.ok()) return;
+  spdlog::warn("mapping: what was mapped last of session {} is stored only with its next records: {}",
+               lease.session.value(), queued.ToString());
 }
 
 void Mapping::KeepLeases() {

@@ -61,9 +61,15 @@ class Mapping {
   void MapSession(const storage::LeasedSession& leased, Turn& turn);
   absl::Status MapForOneTurn(const storage::LeasedSession& leased, Turn& turn,
                              std::unique_ptr<SessionMapping>& mapping);
-  absl::Status MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn);
+  // `was_parked`: it was kept since its last turn, and probably will be until its next one.
+  absl::Status MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn,
+                                bool was_parked);
   std::unique_ptr<SessionMapping> Unpark(const storage::LeasedSession& leased);
   void Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
+  // Has those parked mappings stored whose robots send nothing more: all, or the overdue ones.
+  void QueueParked(bool all);
+  // Has a session found again whose last results are not stored.
+  void Queue(const storage::SessionLease& lease) const;
 
   const ServerOptions::Mapping options_;
   const SessionMappingStores stores_;
@@ -72,10 +78,11 @@ class Mapping {
   const std::function<void()> on_session_ended_;
   const std::string owner_;
 
-  // A mapping between two turns, kept to avoid loading it from the database again.
+  // A mapping between two turns, kept to avoid loading it from the database again, and storing it in each turn.
   struct Parked {
     storage::SessionLease lease;
     std::unique_ptr<SessionMapping> mapping;
+    bool queued = false;  // by QueueParked
   };
 
   StopSignal stop_;

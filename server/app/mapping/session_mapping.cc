@@ -155,8 +155,18 @@ absl::StatusOr<SessionMapping::Progress> SessionMapping::AtEndOfLog(const storag
   return Progress::kEnded;
 }
 
+bool SessionMapping::overdue() const {
+  return !stored() && std::chrono::steady_clock::now() - last_commit_ >= options_.checkpoint_interval;
+}
+
+absl::Status SessionMapping::StoreIfDue(const storage::SessionLease& lease) {
+  if (overdue()) return Store(lease);
+  if (!stored()) StorePose();
+  return absl::OkStatus();
+}
+
 absl::Status SessionMapping::Store(const storage::SessionLease& lease) {
-  if (mapped_sequence_ == stored_sequence_) return absl::OkStatus();
+  if (stored()) return absl::OkStatus();
   const bool revision_due = std::chrono::steady_clock::now() - last_revision_ >= options_.revision_interval;
   return Commit(lease, revision_due, std::nullopt);
 }

@@ -68,12 +68,18 @@ class SessionMapping {
   absl::StatusOr<Progress> Step(const storage::SessionLease& lease);
   // Commits what is not stored yet.
   absl::Status Store(const storage::SessionLease& lease);
+  // The same once a checkpoint is due. Until then only the robot's pose is stored: writing a checkpoint takes longer
+  // than mapping a scan.
+  absl::Status StoreIfDue(const storage::SessionLease& lease);
 
   // Marks the session as failed with `error`. Its records and results stay.
   static absl::Status Fail(const SessionMappingStores& stores, const storage::LeasedSession& leased,
                            const absl::Status& error);
 
   std::int64_t stored_sequence() const { return stored_sequence_; }
+  bool stored() const { return mapped_sequence_ == stored_sequence_; }
+  // Something is not stored, and was to be by now.
+  bool overdue() const;
   // All records up to it have been read: to map them, or to locate the robot by them.
   std::int64_t read_sequence() const { return location_ ? looked_sequence_ : mapped_sequence_; }
   bool ended() const { return ended_; }

@@ -80,6 +80,12 @@ absl::Status MappingStore::Release(const CallContext& context, const SessionLeas
   return ReleaseLease(pool_, context, lease, read_sequence);
 }
 
+absl::Status MappingStore::Queue(const CallContext& context, const SiteId& site, const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool_, context));
+  QueueMappingWork(transaction, site, {session.value()});
+  return transaction.Commit();
+}
+
 absl::StatusOr<MappingBacklog> MappingStore::GetBacklog(const CallContext& context) const {
   return ReadMappingBacklog(pool_, context);
 }

@@ -16,6 +16,7 @@ class MappingStore final : public storage::MappingStore {
                      std::chrono::milliseconds ttl) const override;
   absl::Status Release(const CallContext& context, const SessionLease& lease,
                        std::int64_t read_sequence) const override;
+  absl::Status Queue(const CallContext& context, const SiteId& site, const SessionId& session) const override;
   absl::StatusOr<MappingBacklog> GetBacklog(const CallContext& context) const override;
   absl::StatusOr<std::int64_t> Commit(const CallContext& context, const SessionLease& lease,
                                       const MappingStep& step) const override;

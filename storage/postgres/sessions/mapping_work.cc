@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/sessions/mapping_work.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "core/base/resource_name.h"
@@ -105,7 +106,9 @@ absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lea
     return absl::OkStatus();
   }
   std::optional<Timestamp> waiting_since;
-  if (work->mapped_sequence >= lease.acknowledged_sequence) waiting_since = Timestamp{lease.take_time};
+  // What was read is mapped, even if it is not stored yet.
+  if (std::max(work->mapped_sequence, read_sequence) >= lease.acknowledged_sequence)
+    waiting_since = Timestamp{lease.take_time};
   transaction.Queue(kRequeueWork, Params(lease.site, lease.session, waiting_since));
   return absl::OkStatus();
 }

@@ -140,6 +140,21 @@ TEST_F(MappingStoreTest, ASessionWhoseRecordsAreReadWaitsForMoreOrItsEnd) {
   EXPECT_TRUE(FindsWork()) << "it has to be closed";
 }
 
+TEST_F(MappingStoreTest, WhatWasReadButNotStoredIsFoundAgainOnceItIsQueued) {
+  const SessionId session = SessionWithRecords("s1", 3);
+  ASSERT_OK(mapping_.Release(Soon(), AcquireOne().lease, 3));
+  EXPECT_FALSE(FindsWork());
+  ASSERT_OK(mapping_.Queue(Soon(), site_, session));
+  ASSERT_OK(mapping_.Queue(Soon(), site_, session)) << "again";
+  const storage::LeasedSession leased = AcquireOne();
+  EXPECT_EQ(leased.session.id, session);
+  ASSERT_OK(CommitStep(leased.lease, {}, 3));
+  ASSERT_OK(mapping_.Release(Soon(), leased.lease, 3));
+  ASSERT_OK(mapping_.Queue(Soon(), site_, session));
+  EXPECT_FALSE(FindsWork()) << "all is stored";
+  EXPECT_OK(mapping_.Queue(Soon(), site_, SessionId("none")));
+}
+
 TEST_F(MappingStoreTest, NoRecordIsForgottenWhileOthersAreMapped) {
   constexpr std::int64_t kRecords = 200;
   const SessionId session = NewSession("s1");
