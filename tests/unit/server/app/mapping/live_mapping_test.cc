@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/unit/server/app/mapping/mapping_workers.h"
+
+namespace enfilade::server {
+namespace {
+
+using State = storage::SessionState;
+
+TEST_F(MappingWorkersTest, ALiveSessionIsMappedAsItsRecordsComeAndLoadedOnce) {
+  const SessionId session = NewSession("s");
+  options_.checkpoint_interval_s = 0.0;
+  Start();
+  for (std::size_t begin = 0; begin < Log().size(); begin += 67) {
+    const std::size_t end = std::min(Log().size(), begin + 67);
+    Append(session, begin, end);
+    mapping_->Wake();
+    AwaitMapped(session, static_cast<std::int64_t>(end));
+  }
+  Finish(session);
+  mapping_->Wake();
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+  EXPECT_EQ(counting_.loads(), 1) << "kept between its turns";
+}
+
+// A checkpoint takes longer to write than a scan to map.
+TEST_F(MappingWorkersTest, ALiveSessionIsStoredOnceACheckpointIsDue) {
+  const SessionId session = NewSession("s");
+  options_.checkpoint_interval_s = 1.0;
+  Append(session, 0, 40);
+  Start();
+  AwaitMapped(session, 40);
+  while (counting_.read_sequence() < 40) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const TimeNs first_pose = stores_.robot_poses.Get(Soon(), site_, RobotId("r"))->time;
+  const auto begin = std::chrono::steady_clock::now();
+  const int commits = counting_.commits();
+  for (std::size_t end = 42; end <= 80; end += 2) {
+    Append(session, end - 2, end);
+    mapping_->Wake(site_, session);
+    std::this_thread::sleep_for(std::chrono::milliseconds(120));  // more than a worker rests between two looks
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  EXPECT_LE(counting_.commits() - commits, took.count() / options_.checkpoint_interval_s + 1.0);
+  EXPECT_GT(stores_.robot_poses.Get(Soon(), site_, RobotId("r"))->time, first_pose) << "the pose is, at each turn";
+  AwaitMapped(session, 80);  // though the robot sends nothing more
+  EXPECT_EQ(counting_.loads(), 1);
+  Append(session, 80, Log().size());
+  Finish(session);
+  mapping_->Wake();
+  AwaitState(session, State::kMapped);
+  ExpectOfflineMap(session);
+}
+
+TEST_F(MappingWorkersTest, AServerThatStopsLeavesWhatItHasNotStoredToTheNextOne) {
+  const SessionId session = NewSession("s");
+  options_.checkpoint_interval_s = 3600.0;
+  Append(session, 0, 40);
+  Start();
+  AwaitMapped(session, 40);
+  Append(session, 40, 80);
+  mapping_->Wake(site_, session);
+  while (counting_.read_sequence() < 80) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(Session(session).mapped_sequence, 40) << "not due for an hour";
+  mapping_.reset();
+  Start();
+  AwaitMapped(session, 80);
+}
+
+TEST_F(MappingWorkersTest, ManyLiveSessionsAreAllStored) {
+  options_.checkpoint_interval_s = 0.5;
+  std::vector<SessionId> sessions;
+  for (int i = 0; i < 7; ++i) {  // more than are kept between their turns
+    const std::string id = std::to_string(i);
+    ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room" + id), ""));
+    sessions.push_back(NewSession("s" + id, "room" + id));
+  }
+  Start(2);
+  for (std::size_t end = 20; end <= 100; end += 20) {
+    for (const SessionId& session : sessions) {
+      Append(session, end - 20, end);
+      mapping_->Wake(site_, session);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  for (const SessionId& session : sessions) AwaitMapped(session, 100);
+}
+
+}  // namespace
+}  // namespace enfilade::server
