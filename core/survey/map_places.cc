@@ -10,9 +10,9 @@ namespace enfilade::survey {
 namespace {
 
 struct PlacedSession {
-  const SurveyedSession* session = nullptr;
   Pose2 T_level_map = {};
-  double length = 0.0;  // m, of its drive
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();  // of its drive, m in the map's frame
+  double length = 0.0;                               // m, of its drive
 };
 
 double LengthOf(const SurveyedSession& session) {
@@ -29,9 +29,15 @@ Eigen::Vector2d MiddleOf(const SurveyedSession& session) {
   return middle / static_cast<double>(session.visits.size());
 }
 
+// Unset without visits.
+std::optional<PlacedSession> Placed(const SurveyedSession& session) {
+  const std::optional<Pose2> place = PlaceOf(session);
+  if (!place) return std::nullopt;
+  return PlacedSession{*place, MiddleOf(session), LengthOf(session)};
+}
+
 bool AgreesWith(const Pose2& T_level_map, const PlacedSession& placed, const SurveyOptions& options) {
-  const Eigen::Vector2d middle = MiddleOf(*placed.session);
-  return (T_level_map * middle - placed.T_level_map * middle).norm() <= options.apart &&
+  return (T_level_map * placed.middle - placed.T_level_map * placed.middle).norm() <= options.apart &&
          std::abs(Between(T_level_map, placed.T_level_map).yaw) <= options.turned;
 }
 
@@ -57,8 +63,7 @@ std::map<MapId, Pose2> PlaceMaps(const LevelSurvey& survey, const SurveyOptions&
   std::map<MapId, std::vector<PlacedSession>> sessions;
   for (const Drive& drive : survey.drives) {
     for (const SurveyedSession& session : drive) {
-      const std::optional<Pose2> place = PlaceOf(session);
-      if (place) sessions[session.map].push_back({&session, *place, LengthOf(session)});
+      if (const std::optional<PlacedSession> placed = Placed(session)) sessions[session.map].push_back(*placed);
     }
   }
   std::map<MapId, Pose2> places;
@@ -67,8 +72,8 @@ std::map<MapId, Pose2> PlaceMaps(const LevelSurvey& survey, const SurveyOptions&
 }
 
 bool IsOutOfPlace(const SurveyedSession& session, const Pose2& T_level_map, const SurveyOptions& options) {
-  const std::optional<Pose2> place = PlaceOf(session);
-  return place && !AgreesWith(T_level_map, {&session, *place, 0.0}, options);
+  const std::optional<PlacedSession> placed = Placed(session);
+  return placed && !AgreesWith(T_level_map, *placed, options);
 }
 
 }  // namespace enfilade::survey

@@ -19,6 +19,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kWorkTimeout = std::chrono::seconds(30);
+constexpr auto kStopTimeout = std::chrono::seconds(2);
 constexpr auto kTurn = std::chrono::seconds(3);
 // The shortest time between two looks for work of one worker, so that records of a live robot are mapped in batches,
 // and many robots do not cost many looks.
@@ -68,7 +69,7 @@ Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles
 Mapping::~Mapping() {
   Stop();
   for (std::thread& worker : workers_) worker.join();
-  QueueParked(/*all=*/true);  // for the next server
+  QueueParked();
   workers_done_.Set();
   lease_keeper_.join();
 }
@@ -96,7 +97,7 @@ void Mapping::Work(int worker) {
   const std::string owner = fmt::format("{}/{}", owner_, worker);
   while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();
-    QueueParked(/*all=*/false);
+    QueueOverdue();
     if (!TakeTurn(owner)) wake_.WaitFor(kPollInterval);
     stop_.WaitFor(kMinTurnInterval - (std::chrono::steady_clock::now() - begin));
   }
@@ -217,25 +218,34 @@ void Mapping::Park(const storage::SessionLease& lease, std::unique_ptr<SessionMa
     evicted.splice(evicted.end(), parked_,
                    stored == parked_.rend() ? std::prev(parked_.end()) : std::prev(stored.base()));
   }
-  if (!evicted.front().mapping->stored()) Queue(evicted.front().lease);
+  if (evicted.front().mapping->stored()) return;
+  Queue(storage::CallContext::WithTimeout(kWorkTimeout), evicted.front().lease);
 }
 
-void Mapping::QueueParked(bool all) {
-  std::vector<storage::SessionLease> waiting;
-  {
-    MutexLock lock(mutex_);
-    for (Parked& parked : parked_) {
-      if (parked.queued || parked.mapping->stored() || !(all || parked.mapping->overdue())) continue;
-      parked.queued = true;
-      waiting.push_back(parked.lease);
-    }
+void Mapping::QueueOverdue() {
+  for (const auto& lease : TakeUnstored([](const SessionMapping& mapping) { return mapping.overdue(); })) {
+    Queue(storage::CallContext::WithTimeout(kWorkTimeout), lease);
   }
-  for (const storage::SessionLease& lease : waiting) Queue(lease);
 }
 
-void Mapping::Queue(const storage::SessionLease& lease) const {
-  const absl::Status queued =
-      stores_.mappings.Queue(storage::CallContext::WithTimeout(kWorkTimeout), lease.site, lease.session);
+void Mapping::QueueParked() {
+  const auto context = storage::CallContext::WithTimeout(kStopTimeout);  // for all of them
+  for (const auto& lease : TakeUnstored([](const SessionMapping&) { return true; })) Queue(context, lease);
+}
+
+std::vector<storage::SessionLease> Mapping::TakeUnstored(const std::function<bool(const SessionMapping&)>& which) {
+  std::vector<storage::SessionLease> taken;
+  MutexLock lock(mutex_);
+  for (Parked& parked : parked_) {
+    if (parked.queued || parked.mapping->stored() || !which(*parked.mapping)) continue;
+    parked.queued = true;
+    taken.push_back(parked.lease);
+  }
+  return taken;
+}
+
+void Mapping::Queue(const storage::CallContext& context, const storage::SessionLease& lease) const {
+  const absl::Status queued = stores_.mappings.Queue(context, lease.site, lease.session);
   if (queued.ok()) return;
   spdlog::warn("mapping: what was mapped last of session {} is stored only with its next records: {}",
                lease.session.value(), queued.ToString());

@@ -66,10 +66,14 @@ class Mapping {
                                 bool was_parked);
   std::unique_ptr<SessionMapping> Unpark(const storage::LeasedSession& leased);
   void Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
-  // Has those parked mappings stored whose robots send nothing more: all, or the overdue ones.
-  void QueueParked(bool all);
+  // Has those parked mappings stored whose robots send nothing more.
+  void QueueOverdue();
+  // The same for all parked ones, by the next server.
+  void QueueParked();
+  // The sessions of parked mappings that are not stored and that `which` chooses.
+  std::vector<storage::SessionLease> TakeUnstored(const std::function<bool(const SessionMapping&)>& which);
   // Has a session found again whose last results are not stored.
-  void Queue(const storage::SessionLease& lease) const;
+  void Queue(const storage::CallContext& context, const storage::SessionLease& lease) const;
 
   const ServerOptions::Mapping options_;
   const SessionMappingStores stores_;
@@ -82,7 +86,7 @@ class Mapping {
   struct Parked {
     storage::SessionLease lease;
     std::unique_ptr<SessionMapping> mapping;
-    bool queued = false;  // by QueueParked
+    bool queued = false;  // since its last turn
   };
 
   StopSignal stop_;
