@@ -68,8 +68,8 @@ class SessionMapping {
   absl::StatusOr<Progress> Step(const storage::SessionLease& lease);
   // Commits what is not stored yet.
   absl::Status Store(const storage::SessionLease& lease);
-  // The same once a checkpoint is due. Until then only the robot's pose is stored: writing a checkpoint takes longer
-  // than mapping a scan.
+  // The same once a checkpoint is due. Until then only the robot's pose is stored: writing a checkpoint takes about
+  // as long as mapping a scan.
   absl::Status StoreIfDue(const storage::SessionLease& lease);
 
   // Marks the session as failed with `error`. Its records and results stay.

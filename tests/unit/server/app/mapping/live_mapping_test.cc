@@ -29,7 +29,7 @@ TEST_F(MappingWorkersTest, ALiveSessionIsMappedAsItsRecordsComeAndLoadedOnce) {
   EXPECT_EQ(counting_.loads(), 1) << "kept between its turns";
 }
 
-// A checkpoint takes longer to write than a scan to map.
+// A checkpoint takes about as long to write as a scan to map.
 TEST_F(MappingWorkersTest, ALiveSessionIsStoredOnceACheckpointIsDue) {
   const SessionId session = NewSession("s");
   options_.checkpoint_interval_s = 1.0;
