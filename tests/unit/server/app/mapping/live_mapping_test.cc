@@ -31,11 +31,7 @@ TEST_F(MappingWorkersTest, ALiveSessionIsMappedAsItsRecordsComeAndLoadedOnce) {
 
 // A checkpoint takes about as long to write as a scan to map.
 TEST_F(MappingWorkersTest, ALiveSessionIsStoredOnceACheckpointIsDue) {
-  const SessionId session = NewSession("s");
-  options_.checkpoint_interval_s = 1.0;
-  Append(session, 0, 40);
-  Start();
-  AwaitMapped(session, 40);
+  const SessionId session = StartWithLiveSession(1.0);
   while (counting_.read_sequence() < 40) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const TimeNs first_pose = stores_.robot_poses.Get(Soon(), site_, RobotId("r"))->time;
   const auto begin = std::chrono::steady_clock::now();
@@ -58,11 +54,7 @@ TEST_F(MappingWorkersTest, ALiveSessionIsStoredOnceACheckpointIsDue) {
 }
 
 TEST_F(MappingWorkersTest, AServerThatStopsLeavesWhatItHasNotStoredToTheNextOne) {
-  const SessionId session = NewSession("s");
-  options_.checkpoint_interval_s = 3600.0;
-  Append(session, 0, 40);
-  Start();
-  AwaitMapped(session, 40);
+  const SessionId session = StartWithLiveSession(3600.0);
   Append(session, 40, 80);
   mapping_->Wake(site_, session);
   while (counting_.read_sequence() < 80) std::this_thread::sleep_for(std::chrono::milliseconds(5));

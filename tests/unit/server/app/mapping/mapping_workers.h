@@ -133,6 +133,15 @@ class MappingWorkersTest : public MappingFixture {
                                 stores_.robot_poses, stores_.maps};
     mapping_.emplace(options_, slam::SlamOptions(), stores, *metrics_, [this] { ++ended_; });
   }
+  // The first 40 records of a session that goes on are mapped and stored.
+  SessionId StartWithLiveSession(double checkpoint_interval_s) {
+    options_.checkpoint_interval_s = checkpoint_interval_s;
+    const SessionId session = NewSession("s");
+    Append(session, 0, 40);
+    Start();
+    AwaitMapped(session, 40);
+    return session;
+  }
   void AwaitState(const SessionId& session, storage::SessionState state) {
     while (Session(session).state != state) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
