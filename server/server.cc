@@ -165,7 +165,9 @@ class Server::Impl {
       survey::SurveyOptions survey_options;
       survey_options.map_name = options.closure.map_name;
       surveyor = std::make_unique<SiteSurveyor>(
-          survey_options, SurveyLoad{options.survey.share, options.survey.cache_bytes},
+          survey_options,
+          SurveyScheduleOptions{options.survey.growth, std::chrono::duration<double>(options.survey.interval_s)},
+          SurveyLoad{options.survey.share, options.survey.cache_bytes},
           SurveyMappingOptions{{.window_s = options.mapping.pairing_window_s}, slam_profiles},
           SiteSurveyor::Stores{{sessions, records, mappings, maps, door_verdicts, plan_joins}, surveys, site_leases},
           graphs, rearranger, survey_wake);

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/survey/chained_sessions.h"
+
+#include <utility>
+
+#include "core/base/status_macros.h"
+#include "core/slam/mapper/log_mapper.h"
+#include "core/slam/mapper/mapper.h"
+#include "core/slam/state/checkpoint.h"
+
+namespace enfilade::server {
+namespace {
+
+// Nearly all of a session's keyframes are to be keyframes again, though their distances differ a little.
+slam::SlamOptions ForKeyframes(slam::SlamOptions slam) {
+  constexpr double kNearly = 0.9;
+  slam.keyframe.distance *= kNearly;
+  slam.keyframe.angle *= kNearly;
+  return slam;
+}
+
+// Keyframes are numbered from 0 on, and keep their numbers when a session is cut.
+bool IsRestOf(const slam::SlamMap& before, const slam::SlamMap& map) {
+  return !before.nodes.empty() && !map.nodes.empty() && map.nodes.begin()->first == before.nodes.rbegin()->first + 1;
+}
+
+void Add(slam::SlamMap rest, slam::SlamMap& map) {
+  map.nodes.merge(rest.nodes);
+  map.submaps.merge(rest.submaps);  // both have the one that was cut
+  map.loop_closures.merge(rest.loop_closures);
+  map.trajectory.insert(map.trajectory.end(), rest.trajectory.begin(), rest.trajectory.end());
+}
+
+}  // namespace
+
+absl::Status ChainedSessions::AppendNext(slam::SessionChain& chain) {
+  ENFILADE_ASSIGN_OR_RETURN(Whole session, ReadNext());
+  absl::Status status;
+  if (!IsInPart(session.mapping.map)) {
+    slam::ChainedSession chained;
+    ENFILADE_ASSIGN_OR_RETURN(chained.scans, ReadScans(session, ScansOf(session.mapping.map)));
+    // What a rest of a cut knew is with the session's beginning.
+    if (const auto errors = slam::LogMapper::ErrorsAt(session.mapping.checkpoint); errors.ok()) {
+      chained.errors = *errors;
+    }
+    chained.map = std::move(session.mapping.map);
+    status = chain.Append(chained);
+    session.mapping.map = std::move(chained.map);
+  }
+  if (IsInPart(session.mapping.map) || absl::IsFailedPrecondition(status) || absl::IsDataLoss(status)) {
+    ENFILADE_ASSIGN_OR_RETURN(const slam::ChainedSession chained, MapAgain(session));
+    status = chain.Append(chained);
+  }
+  if (status.ok()) appended_ += session.pieces.size();
+  return status;
+}
+
+absl::StatusOr<storage::StoredMapping> ChainedSessions::Load(const storage::Session& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(std::optional<storage::StoredMapping> stored, reader_.LoadMapping(session.id));
+  if (!stored) return storage::StoredMapping{};
+  // The map that it continued.
+  if (session.entry.T_map_robot) stored->map.submaps.erase(0);
+  return *std::move(stored);
+}
+
+absl::StatusOr<ChainedSessions::Whole> ChainedSessions::ReadNext() {
+  Whole whole;
+  for (std::size_t i = appended_; i < sessions_.size(); ++i) {
+    if (!next_) {
+      ENFILADE_ASSIGN_OR_RETURN(next_, Load(*sessions_[i]));
+    }
+    if (whole.pieces.empty()) {
+      whole.mapping = *std::exchange(next_, std::nullopt);
+    } else if (IsRestOf(whole.mapping.map, next_->map)) {
+      Add(std::exchange(next_, std::nullopt)->map, whole.mapping.map);
+    } else {
+      break;
+    }
+    whole.pieces.push_back(sessions_[i]);
+  }
+  return whole;
+}
+
+bool ChainedSessions::IsInPart(const slam::SlamMap& map) const {
+  return (!map.nodes.empty() && IsAfter(map.nodes.rbegin()->second.time)) ||
+         (!map.trajectory.empty() && IsAfter(map.trajectory.back().time));
+}
+
+std::set<std::int64_t> ChainedSessions::ScansOf(const slam::SlamMap& map) const {
+  std::set<std::int64_t> sequences;
+  for (const auto& [id, node] : map.nodes) {
+    if (!IsAfter(node.time)) sequences.insert(node.sequence);
+  }
+  const auto last = std::find_if(map.trajectory.rbegin(), map.trajectory.rend(),
+                                 [&](const slam::TrajectoryPoint& point) { return !IsAfter(point.time); });
+  if (last != map.trajectory.rend()) sequences.insert(last->sequence);
+  return sequences;
+}
+
+absl::StatusOr<std::vector<sensor::PairedScan>> ChainedSessions::ReadScans(const Whole& session,
+                                                                           const Wanted& wanted) const {
+  sensor::ScanPairing pairing(pairing_);
+  std::vector<sensor::PairedScan> scans;
+  std::vector<sensor::PairedScan> settled;
+  const auto take = [&] {
+    for (sensor::PairedScan& scan : settled) {
+      if (!wanted || wanted->contains(scan.sequence)) scans.push_back(std::move(scan));
+    }
+    settled.clear();
+  };
+  for (const storage::Session* piece : session.pieces) {
+    ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(*piece, until_, [&](sensor::Record record) {
+      pairing.Add(record.sequence, std::move(record.payload), settled);
+      take();
+      return absl::OkStatus();
+    }));
+  }
+  pairing.Flush(settled);
+  take();
+  return scans;
+}
+
+absl::StatusOr<slam::ChainedSession> ChainedSessions::MapAgain(const Whole& session) const {
+  // Without odometry nothing else bridges the way from keyframe to keyframe.
+  bool all = false;
+  for (const storage::Session* piece : session.pieces) all = all || piece->record_counts.odometry == 0;
+  slam::ChainedSession again;
+  ENFILADE_ASSIGN_OR_RETURN(again.scans, ReadScans(session, all ? Wanted() : Wanted(ScansOf(session.mapping.map))));
+  slam::Mapper mapper(ForKeyframes(slam_));
+  for (const sensor::PairedScan& scan : again.scans) mapper.AddScan(scan);
+  mapper.Finish();
+  again.map.Apply(mapper.TakeDelta());
+  ENFILADE_ASSIGN_OR_RETURN(again.errors, slam::DecodeErrors(mapper.Checkpoint()));
+  return again;
+}
+
+}  // namespace enfilade::server
