@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/survey/chained_sessions.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/status_macros.h"
 #include "core/slam/mapper/log_mapper.h"
 #include "core/slam/mapper/mapper.h"
 #include "core/slam/state/checkpoint.h"
+#include "core/slam/submaps/submap.h"
 
 namespace enfilade::server {
 namespace {
@@ -24,11 +27,29 @@ bool IsRestOf(const slam::SlamMap& before, const slam::SlamMap& map) {
   return !before.nodes.empty() && !map.nodes.empty() && map.nodes.begin()->first == before.nodes.rbegin()->first + 1;
 }
 
-void Add(slam::SlamMap rest, slam::SlamMap& map) {
+// The map frames of two pieces, which may lie in different maps by now.
+absl::StatusOr<Pose2> RestInFrameOf(const slam::SlamMap& map, const slam::SlamMap& rest,
+                                    const slam::OccupancyOptions& options) {
+  const auto& [last_id, last] = *map.submaps.rbegin();
+  const auto& [first_id, first] = *rest.submaps.begin();
+  // Both have the submap that was cut.
+  if (first_id == last_id) return last.T_map_submap * Inverse(first.T_map_submap);
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SubmapContent content, slam::DecodeSubmapContent(last.content, options));
+  if (first_id != last_id + 1 || !content.next) {
+    return FailedPrecondition("the submaps between {} and {} are missing", last_id, first_id);
+  }
+  return last.T_map_submap * content.next->T_submap_next * Inverse(first.T_map_submap);
+}
+
+absl::Status Add(slam::SlamMap rest, const slam::OccupancyOptions& options, slam::SlamMap& map) {
+  ENFILADE_ASSIGN_OR_RETURN(const Pose2 T_map_rest, RestInFrameOf(map, rest, options));
+  for (auto& [id, node] : rest.nodes) node.T_map_node = T_map_rest * node.T_map_node;
+  for (auto& [id, submap] : rest.submaps) submap.T_map_submap = T_map_rest * submap.T_map_submap;
   map.nodes.merge(rest.nodes);
-  map.submaps.merge(rest.submaps);  // both have the one that was cut
+  map.submaps.merge(rest.submaps);
   map.loop_closures.merge(rest.loop_closures);
   map.trajectory.insert(map.trajectory.end(), rest.trajectory.begin(), rest.trajectory.end());
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -71,10 +92,10 @@ absl::StatusOr<ChainedSessions::Whole> ChainedSessions::ReadNext() {
     }
     if (whole.pieces.empty()) {
       whole.mapping = *std::exchange(next_, std::nullopt);
-    } else if (IsRestOf(whole.mapping.map, next_->map)) {
-      Add(std::exchange(next_, std::nullopt)->map, whole.mapping.map);
     } else {
-      break;
+      // A rest whose way to the beginning is lost is like any session that follows.
+      if (!IsRestOf(whole.mapping.map, next_->map) || !Add(next_->map, slam_.occupancy, whole.mapping.map).ok()) break;
+      next_.reset();
     }
     whole.pieces.push_back(sessions_[i]);
   }

@@ -110,6 +110,10 @@ TEST_F(ChainedSessionsTest, ThePiecesOfACutSessionAreOneAgain) {
   const SessionId end("end");
   ASSERT_OK(Split("map-b", {}, "annex", {{second, 101, rest}}));
   ASSERT_OK(Split("annex", {}, "yard", {{rest, 161, end}}));
+  // Into another frame each.
+  AddMap("far");
+  ASSERT_OK(Merge("far", "annex", Pose2{30.0, -5.0, 1.2}));
+  ASSERT_OK(Merge("map-a", "yard", Pose2{-7.0, 40.0, 3.0}));
   const Chained chained = ChainOf({first, second, rest, end});
   EXPECT_THAT(chained.appended, ::testing::ElementsAre(1, 4));
   EXPECT_EQ(chained.map.trajectory.size(), before.trajectory.size());
