@@ -16,7 +16,7 @@ namespace enfilade::storage {
 struct PendingSurvey {
   SiteId site;
   std::int64_t sessions = 0;  // that are mapped and judged, and that no survey has seen
-  bool resting = false;       // nothing is recorded or mapped there
+  bool drive_ended = false;   // a robot that has recorded some of them records no more, and all of it is mapped
 
   friend bool operator==(const PendingSurvey&, const PendingSurvey&) = default;
 };

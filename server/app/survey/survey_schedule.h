@@ -19,8 +19,8 @@ struct SurveyScheduleOptions {
 };
 
 // When sites with new sessions are surveyed. A survey's cost grows with its site, so that surveys each time that a site
-// has grown by a share cost a constant multiple of the last one, however long robots drive. What they see while they
-// drive is soon surveyed again anyway: a site where nobody records is surveyed at once. Not thread-safe.
+// has grown by a share cost a constant multiple of the last one, however long robots drive. A robot that has ended its
+// drive does not wait. Not thread-safe.
 class SurveySchedule {
  public:
   using Clock = std::chrono::steady_clock;

@@ -47,7 +47,7 @@ TEST_F(SurveyStoreTest, SessionsAwaitASurveyOnceTheyAreMappedAndJudged) {
   EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, true}));
 }
 
-TEST_F(SurveyStoreTest, ASiteDoesNotRestWhileASessionIsRecorded) {
+TEST_F(SurveyStoreTest, ADriveHasEndedOnceItsRobotRecordsNoMore) {
   const SessionId mapped = NewMappedSession("s1");
   NewSession("only-recorded", false);
   EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, true}));
@@ -62,6 +62,10 @@ TEST_F(SurveyStoreTest, ASiteDoesNotRestWhileASessionIsRecorded) {
   behind.entry.previous = mapped;
   ASSERT_OK(sessions_.Create(Soon(), behind, ""));
   EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, false}));
+  // Another robot's drive may have ended.
+  ASSERT_OK(robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "R2"), ""));
+  database_.Sql("UPDATE enfilade.sessions SET robot_id = 'r2' WHERE session_id = 's1'");
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, true}));
 }
 
 TEST_F(SurveyStoreTest, TheSiteThatHasWaitedLongestComesFirst) {

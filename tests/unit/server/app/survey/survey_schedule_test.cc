@@ -15,7 +15,7 @@ const SiteId kSite("campus");
 class SurveyScheduleTest : public ::testing::Test {
  protected:
   static storage::PendingSurvey Recording(std::int64_t sessions) { return {kSite, sessions, false}; }
-  static storage::PendingSurvey Resting(std::int64_t sessions) { return {kSite, sessions, true}; }
+  static storage::PendingSurvey Ended(std::int64_t sessions) { return {kSite, sessions, true}; }
 
   SurveySchedule schedule_{{.growth = 0.5, .interval = seconds(300)}};
   const SurveySchedule::Clock::time_point start_{seconds(1000)};
@@ -23,7 +23,7 @@ class SurveyScheduleTest : public ::testing::Test {
 
 TEST_F(SurveyScheduleTest, ASiteOfWhichNothingIsKnownIsDue) { EXPECT_TRUE(schedule_.IsDue(Recording(1), start_)); }
 
-TEST_F(SurveyScheduleTest, WhileRobotsRecordASiteMustHaveGrownByItsShare) {
+TEST_F(SurveyScheduleTest, WhileRobotsRecordASiteMustHaveGrown) {
   schedule_.CountSurvey(kSite, 10, start_);
   EXPECT_FALSE(schedule_.IsDue(Recording(4), start_ + seconds(20)));
   EXPECT_TRUE(schedule_.IsDue(Recording(5), start_ + seconds(20)));
@@ -34,9 +34,9 @@ TEST_F(SurveyScheduleTest, ASmallSiteIsDueAfterEachSession) {
   EXPECT_TRUE(schedule_.IsDue(Recording(1), start_));
 }
 
-TEST_F(SurveyScheduleTest, WhereNobodyRecordsASiteIsDueAtOnce) {
+TEST_F(SurveyScheduleTest, OnceADriveHasEndedItsSiteIsDue) {
   schedule_.CountSurvey(kSite, 1000, start_);
-  EXPECT_TRUE(schedule_.IsDue(Resting(1), start_));
+  EXPECT_TRUE(schedule_.IsDue(Ended(1), start_));
 }
 
 TEST_F(SurveyScheduleTest, ASiteWaitsForTheIntervalAtMost) {
@@ -49,7 +49,7 @@ TEST_F(SurveyScheduleTest, AfterAFailureASiteWaitsForAMoment) {
   schedule_.CountSurvey(kSite, 10, start_);
   EXPECT_EQ(schedule_.CountFailure(kSite, start_), 1);
   EXPECT_EQ(schedule_.CountFailure(kSite, start_), 2);
-  EXPECT_FALSE(schedule_.IsDue(Resting(1), start_ + seconds(1)));
+  EXPECT_FALSE(schedule_.IsDue(Ended(1), start_ + seconds(1)));
   EXPECT_TRUE(schedule_.IsDue(Recording(1), start_ + seconds(2))) << "it was due when the survey failed";
   schedule_.CountSurvey(kSite, 10, start_ + seconds(2));
   EXPECT_EQ(schedule_.CountFailure(kSite, start_ + seconds(3)), 1) << "failures in a row";
