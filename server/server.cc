@@ -93,7 +93,10 @@ class Server::Impl {
         metrics(std::move(given_metrics)),
         executor(options.listen.workers, kMaxQueuedCalls),
         mapping(options.mapping, slam, {mappings, records, sessions, blobs, revisions, robot_poses, maps}, *metrics,
-                [this] { doors_wake.Wake(); }),
+                [this] {
+                  doors_wake.Wake();
+                  survey_wake.Wake();
+                }),
         ingest(options.ingest, records, blobs, *metrics,
                [this](const SiteId& site, const SessionId& session) { mapping.Wake(site, session); }),
         pose_reports(robot_poses, {.timeout = StepTimeout(options)}) {}
@@ -144,6 +147,7 @@ class Server::Impl {
                                                    ingest,
                                                    pose_reports,
                                                    mapping,
+                                                   doors_wake,
                                                    *exports,
                                                    map_edits,
                                                    draft_presences,
@@ -339,10 +343,12 @@ class Server::Impl {
       {sessions, records, mappings, blobs, features, maps, link_points, door_verdicts, site_leases},
       graphs,
       doors_wake,
-      [this] {
-        mapping.Wake();
-        map_entries.Wake();
-      }};
+      {.entered =
+           [this] {
+             mapping.Wake();
+             map_entries.Wake();
+           },
+       .judged = [this] { survey_wake.Wake(); }}};
   PlanDoorJoiner plan_door_joiner{
       options.closure,
       {{sessions, records, mappings, blobs, features, maps, link_points, door_verdicts, site_leases},

@@ -16,7 +16,7 @@ namespace enfilade::storage {
 struct PendingSurvey {
   SiteId site;
   std::int64_t sessions = 0;  // that are mapped and judged, and that no survey has seen
-  bool drive_ended = false;   // a robot that has recorded some of them records no more, and all of it is mapped
+  bool drive_ended = false;   // a robot that has recorded some of them has recorded none for a second, and all is mapped
 
   friend bool operator==(const PendingSurvey&, const PendingSurvey&) = default;
 };

@@ -92,7 +92,8 @@ class SessionStore {
  public:
   virtual ~SessionStore() = default;
 
-  // Uses site, id, robot, map and entry. NOT_FOUND naming the site, robot, map or previous session that is missing;
+  // Uses site, id, robot, map and entry. A session whose previous one has been cut since follows the last piece of it.
+  // NOT_FOUND naming the site, robot, map or previous session that is missing;
   // ALREADY_EXISTS if the id is taken, also by a deleted session; INVALID_ARGUMENT if the entry pose's covariance is
   // invalid. `request_id` as in SiteStore.
   virtual absl::StatusOr<Session> Create(const CallContext& context, const Session& session,

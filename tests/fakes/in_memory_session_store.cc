@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/resource_name.h"
@@ -22,6 +23,21 @@ absl::Status CheckReferences(const SiteRows& site, const storage::Session& sessi
     return NotFound("{} does not exist", NameOf(session.site, *session.entry.previous));
   }
   return absl::OkStatus();
+}
+
+// Of a session that may have been cut.
+SessionId LastPiece(const SiteRows& site, const SessionId& session) {
+  const SessionId root = site.sessions.at(session).cut_from.value_or(session);
+  SessionId last = root;
+  for (bool found = true; std::exchange(found, false);) {
+    for (const auto& [id, row] : site.sessions) {
+      if (row.deleted || row.cut_from != root || row.session.entry.previous != last) continue;
+      last = id;
+      found = true;
+      break;
+    }
+  }
+  return last;
 }
 
 bool Matches(const storage::SessionFilter& filter, const storage::Session& session) {
@@ -105,6 +121,7 @@ absl::StatusOr<storage::Session> InMemorySessionStore::Create(const storage::Cal
   row.session.robot = session.robot;
   row.session.map = session.map;
   row.session.entry = session.entry;
+  if (auto& previous = row.session.entry.previous) previous = LastPiece(*site, *previous);
   FollowRedirect(*site, row.session);
   row.session.create_time = access.Timestamp();
   row.request_id = request_id;

@@ -22,6 +22,10 @@ namespace {
 // Bytes. Larger pictures are drawn from the start each time.
 constexpr std::size_t kMostTiles = 64U << 20U;
 
+// How many of a session's keyframes are matched to the last submap before it, and how far from the first, m.
+constexpr int kTieKeyframes = 5;
+constexpr double kTieLength = 2.0;
+
 // A session's submaps, nodes and loop closures by their numbers in the chain, its poses still in its own frame.
 struct Renumbered {
   std::map<std::int64_t, FinishedSubmap> submaps;
@@ -156,7 +160,8 @@ absl::Status SessionChain::Append(const ChainedSession& session) {
   FinishedSubmap& submap = added.submaps.at(first.submap);
   const sensor::PairedScan first_scan = FindScan(session.scans, first.sequence, first.time);
   const Pose2 T_first_submap = Between(first.T_map_node, submap.T_map_submap);
-  const Pose2 T_chain_session = Tie(first_scan, T_first_submap, submap) * Inverse(submap.T_map_submap);
+  const Pose2 T_chain_session =
+      Tie(first_scan, SeenFirst(added.nodes, session.scans), T_first_submap, submap) * Inverse(submap.T_map_submap);
 
   for (auto& [id, one] : added.submaps) {
     one.T_map_submap = T_chain_session * one.T_map_submap;
@@ -187,8 +192,26 @@ grid::ScanRays SessionChain::RaysOf(const sensor::PairedScan& scan) const {
   return RobotRays(scan.scan, {options_.max_range, options_.occupancy.no_return_range});
 }
 
-// Ties `submap`, with which a session begins, to what is there. Returns its pose.
-Pose2 SessionChain::Tie(const sensor::PairedScan& scan, const Pose2& T_robot_submap, FinishedSubmap& submap) {
+// What a session's first keyframes have seen, in the frame of the first one: several scans show where it is more surely
+// than one.
+grid::ScanRays SessionChain::SeenFirst(const std::map<std::int64_t, SlamNode>& nodes,
+                                       const std::vector<sensor::PairedScan>& scans) const {
+  grid::ScanRays seen;
+  const SlamNode& first = nodes.begin()->second;
+  int count = 0;
+  for (const auto& [id, node] : nodes) {
+    const Pose2 T_first_node = Between(first.T_map_node, node.T_map_node);
+    if (count++ == kTieKeyframes || T_first_node.translation().norm() > kTieLength) break;
+    const grid::ScanRays rays = Transformed(T_first_node, RaysOf(FindScan(scans, node.sequence, node.time)));
+    seen.hits.insert(seen.hits.end(), rays.hits.begin(), rays.hits.end());
+  }
+  return seen;
+}
+
+// Ties `submap`, with which a session begins, to what is there. Returns its pose. `scan`: the first one; `seen`: by it
+// and those after it.
+Pose2 SessionChain::Tie(const sensor::PairedScan& scan, const grid::ScanRays& seen, const Pose2& T_robot_submap,
+                        FinishedSubmap& submap) {
   if (!state_.track) {
     if (!state_.entry) return T_robot_submap;
     PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
@@ -200,7 +223,7 @@ Pose2 SessionChain::Tie(const sensor::PairedScan& scan, const Pose2& T_robot_sub
   const SubmapContent content = DecodeSubmapContent(last.content, options_.occupancy).value();  // checked by Append
   LocalFields fields(options_.resolution, options_.local);
   fields.Rebuild(content.grid);
-  const LocatedScan located = LocateScan(*state_.track, scan, RaysOf(scan), {content.grid, fields}, options_);
+  const LocatedScan located = LocateScan(*state_.track, scan, seen, {content.grid, fields}, options_);
   if (located.residual) {
     state_.errors.match_squares += std::pow(*located.residual / options_.local.field.sigma, 2);
     ++state_.errors.matches;

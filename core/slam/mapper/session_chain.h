@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -55,7 +57,10 @@ class SessionChain {
 
  private:
   grid::ScanRays RaysOf(const sensor::PairedScan& scan) const;
-  Pose2 Tie(const sensor::PairedScan& scan, const Pose2& T_robot_submap, FinishedSubmap& submap);
+  grid::ScanRays SeenFirst(const std::map<std::int64_t, SlamNode>& nodes,
+                           const std::vector<sensor::PairedScan>& scans) const;
+  Pose2 Tie(const sensor::PairedScan& scan, const grid::ScanRays& seen, const Pose2& T_robot_submap,
+            FinishedSubmap& submap);
 
   SlamOptions options_;
   MapperState state_;  // no submap is active; `track` is where the last session ended, in its last submap

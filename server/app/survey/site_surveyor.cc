@@ -19,7 +19,10 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kPoll = std::chrono::milliseconds(500);
+// What other replicas have mapped and judged does not wake this process.
+constexpr auto kIdlePoll = std::chrono::seconds(2);
+// Sites become due without further notice.
+constexpr auto kWaitingPoll = std::chrono::milliseconds(500);
 constexpr auto kSurveyStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
 // A session with several rooms is cut once a survey.
@@ -90,17 +93,18 @@ void SiteSurveyor::Stop() {
 void SiteSurveyor::Run() {
   SetThreadNiceness(kBackgroundNiceness);
   while (!stop_.is_set()) {
-    if (!SurveyPending()) wake_.WaitFor(kPoll);
+    const Found found = SurveyPending();
+    if (found != Found::kDue) wake_.WaitFor(found == Found::kWaiting ? kWaitingPoll : kIdlePoll);
   }
 }
 
-bool SiteSurveyor::SurveyPending() {
+SiteSurveyor::Found SiteSurveyor::SurveyPending() {
   const auto pending = stores_.surveys.FindPending(SurveyorContext());
-  if (!pending.ok()) return false;  // readiness reports an unreachable database
+  if (!pending.ok()) return Found::kNothing;  // readiness reports an unreachable database
   const Clock::time_point begin = Clock::now();
   const auto due = std::find_if(pending->begin(), pending->end(),
                                 [&](const storage::PendingSurvey& one) { return schedule_.IsDue(one, begin); });
-  if (due == pending->end()) return false;
+  if (due == pending->end()) return pending->empty() ? Found::kNothing : Found::kWaiting;
   const absl::StatusOr<std::size_t> sessions = Survey(due->site);
   caches_.Trim();
   // A survey works with large grids. Freed, they would stay with this thread's part of the heap.
@@ -111,7 +115,7 @@ bool SiteSurveyor::SurveyPending() {
     CountFailure(due->site, sessions.status());
   }
   stop_.WaitFor(std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_)));
-  return true;
+  return Found::kDue;
 }
 
 void SiteSurveyor::CountFailure(const SiteId& site, const absl::Status& status) {

@@ -54,8 +54,9 @@ class SiteSurveyor {
   using Clock = std::chrono::steady_clock;
 
   void Run();
-  // The site that has waited longest, of those that are due. False if there was nothing to do.
-  bool SurveyPending();
+  enum class Found { kNothing, kWaiting, kDue };
+  // Surveys the site that has waited longest, of those that are due.
+  Found SurveyPending();
   void CountFailure(const SiteId& site, const absl::Status& status);
   // Until nothing more changes. Returns how many sessions it has seen.
   absl::StatusOr<std::size_t> Survey(const SiteId& site);

@@ -13,11 +13,18 @@
 namespace enfilade::storage::postgres {
 namespace {
 
-constexpr Statement kInsertSession{"creating the session",
-                                   "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id,"
-                                   " previous_session_id, initial_x, initial_y, initial_yaw, initial_covariance,"
-                                   " initial_odom_x, initial_odom_y, initial_odom_yaw, request_sha256)"
-                                   " VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)"};
+// The last piece of session `id`, which may have been cut.
+#define ENFILADE_LAST_PIECE(id)                                                                    \
+  "SELECT p.session_id FROM enfilade.sessions q JOIN enfilade.sessions p ON p.site_id = q.site_id" \
+  " AND coalesce(q.cut_from_session_id, q.session_id) IN (p.session_id, p.cut_from_session_id)"    \
+  " WHERE q.site_id = $1 AND q.session_id = " id " AND p.delete_time IS NULL ORDER BY p.skipped_records DESC LIMIT 1"
+constexpr Statement kInsertSession{
+    "creating the session",
+    "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id, previous_session_id, initial_x,"
+    " initial_y, initial_yaw, initial_covariance, initial_odom_x, initial_odom_y, initial_odom_yaw, request_sha256)"
+    " SELECT $1, $2, $3, $4, $5, coalesce((" ENFILADE_LAST_PIECE("$6") "), $6), $7, $8, $9, $10, $11, $12, $13, $14"};
+// Whoever cuts it waits until the session that follows it is there, or has been waited for.
+constexpr Statement kLockLastPiece{"locking the session before", ENFILADE_LAST_PIECE("$2") " FOR SHARE OF p"};
 constexpr Statement kFindSessionRequest{
     "looking for an earlier request",
     "SELECT " ENFILADE_SESSION_COLUMNS ENFILADE_SAME_REQUEST(
@@ -61,6 +68,14 @@ absl::Status Explain(const absl::Status& status, const Session& session) {
   return WithContext(status, NameOf(session.site, session.id));
 }
 
+absl::Status Insert(Pool& pool, const CallContext& context, const Session& session, const Params& values) {
+  if (!session.entry.previous) return ExecuteAlone(pool, context, kInsertSession, values).status();
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  transaction.Queue(kLockLastPiece, Params(session.site, *session.entry.previous));
+  transaction.Queue(kInsertSession, values);
+  return transaction.Commit();
+}
+
 }  // namespace
 
 absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const Session& session,
@@ -72,18 +87,18 @@ absl::StatusOr<Session> SessionStore::Create(const CallContext& context, const S
   }
   const PoseColumns initial(entry.T_map_robot);
   const PoseColumns odom(entry.T_odom_robot);
-  const auto inserted = ExecuteAlone(
-      pool_, context, kInsertSession,
-      Params(session.site, session.id, session.robot, session.map, IdOrNull(request_id), entry.previous, initial.x,
-             initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw, DigestOrNull(request_id)));
+  const Params values(session.site, session.id, session.robot, session.map, IdOrNull(request_id), entry.previous,
+                      initial.x, initial.y, initial.yaw, initial.covariance, odom.x, odom.y, odom.yaw,
+                      DigestOrNull(request_id));
+  const absl::Status inserted = Insert(pool_, context, session, values);
   if (inserted.ok()) return Get(context, session.site, session.id);
-  if (absl::IsAlreadyExists(inserted.status()) && !request_id.empty()) {
+  if (absl::IsAlreadyExists(inserted) && !request_id.empty()) {
     ENFILADE_ASSIGN_OR_RETURN(const auto earlier,
                               ExecuteAlone(pool_, context, kFindSessionRequest,
                                            Params(session.site, request_id.value, DigestOrNull(request_id))));
     if (earlier.rows() > 0) return ReadRequested(earlier, ReadSession, NameOf(session.site, session.id));
   }
-  return Explain(inserted.status(), session);
+  return Explain(inserted, session);
 }
 
 absl::StatusOr<Session> SessionStore::Get(const CallContext& context, const SiteId& site,

@@ -23,11 +23,17 @@ class SurveyStoreTest : public StoreTest {
     EXPECT_OK(Append(session, ScanRecords(1, 3)));
     EXPECT_OK(sessions_.Finish(Soon(), site_, session, 3));
     SetState(id, "3");
+    FinishBefore(id, "2 s");
     return session;
   }
   // 1: recording, 2: being mapped, 3: mapped.
   void SetState(const std::string& id, const std::string& state) {
     database_.Sql(fmt::format("UPDATE enfilade.sessions SET state = {} WHERE session_id = '{}'", state, id));
+  }
+
+  void FinishBefore(const std::string& id, const std::string& interval) {
+    database_.Sql(fmt::format(
+        "UPDATE enfilade.sessions SET finish_time = now() - interval '{}' WHERE session_id = '{}'", interval, id));
   }
 
   const storage::postgres::SurveyStore surveys_{*pool_};
@@ -56,6 +62,8 @@ TEST_F(SurveyStoreTest, ADriveHasEndedOnceItsRobotRecordsNoMore) {
   ASSERT_OK(sessions_.Finish(Soon(), site_, SessionId("recording"), 0));
   EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, false})) << "it is still mapped";
   SetState("recording", "3");
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, false})) << "it may begin another one";
+  FinishBefore("recording", "2 s");
   EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, true}));
   // Behind a door that is not judged yet: it gets its map then.
   storage::Session behind = MakeSession(site_, SessionId("behind"), robot_, std::nullopt);
@@ -76,7 +84,7 @@ TEST_F(SurveyStoreTest, TheSiteThatHasWaitedLongestComesFirst) {
       "SET session_replication_role = replica;"
       "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, state, acknowledged_sequence,"
       " highest_sequence, laser_scans, create_time, finish_time)"
-      " SELECT 'a-newer-site', 'n-' || i, 'r', 'm', 3, 1, 1, 1, now(), now() + i * interval '1 s'"
+      " SELECT 'a-newer-site', 'n-' || i, 'r', 'm', 3, 1, 1, 1, now(), now() - interval '1.9 s' + i * interval '1 ms'"
       " FROM generate_series(1, 40) i");
   EXPECT_THAT(*surveys_.FindPending(Soon()),
               ElementsAre(PendingSurvey{site_, 1, true}, PendingSurvey{other, 40, true}));

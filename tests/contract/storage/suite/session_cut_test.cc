@@ -24,6 +24,22 @@ class SessionCutTest : public RearrangementFixture<StoreContractTest> {
   const SessionId rest_{"s2b"};
 };
 
+TEST_F(SessionCutTest, ASessionThatIsCreatedLaterFollowsTheLastPiece) {
+  ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Cut()));
+  storage::Session later = MakeSession(site_, SessionId("s4"), robot_, std::nullopt);
+  later.entry.previous = s2_;
+  ASSERT_OK_AND_ASSIGN(const storage::Session created, sessions_.Create(Soon(), later, ""));
+  EXPECT_EQ(created.entry.previous, rest_);
+  later.id = SessionId("s5");
+  later.entry.previous = rest_;
+  EXPECT_EQ(sessions_.Create(Soon(), later, "")->entry.previous, rest_);
+  later.id = SessionId("s6");
+  later.entry.previous = SessionId("none");
+  EXPECT_CODE(sessions_.Create(Soon(), later, ""), absl::StatusCode::kNotFound);
+  ASSERT_OK(rearrangements_.Undo(Soon(), lease_, rearrange::RearrangementId("cut")));
+  EXPECT_EQ(sessions_.Get(Soon(), site_, SessionId("s4"))->entry.previous, s2_);
+}
+
 TEST_F(SessionCutTest, TheRestIsASessionOfItsOwn) {
   const auto before = mapping_.ReadTrajectory(Soon(), site_, s2_);
   ASSERT_OK(rearrangements_.Apply(Soon(), lease_, Cut()));
