@@ -55,6 +55,9 @@ class Renumbering {
       node.submap = submap->second;
       result.nodes[node.id] = node;
     }
+    if (result.nodes.begin()->second.submap != result.submaps.begin()->first) {
+      return FailedPrecondition("the keyframes of the first submap are missing");
+    }
     for (const auto& [id, row] : map_.loop_closures) {
       const auto node = nodes_.find(row.node);
       const auto submap = submaps_.find(row.submap);
@@ -89,6 +92,7 @@ class Renumbering {
       node.node = number->second;
       nodes.push_back(std::move(node));
     }
+    if (nodes.empty()) return FailedPrecondition("the keyframes of submap {} are missing", row.id);
     const bool is_last = row.id == map_.submaps.rbegin()->first;
     if (is_last) {
       content->next.reset();
@@ -157,7 +161,7 @@ absl::Status SessionChain::Append(const ChainedSession& session) {
   ENFILADE_ASSIGN_OR_RETURN(Renumbered added, renumbering.Run());
   const Track end = EndOf(added, session.scans);
   const SlamNode& first = added.nodes.begin()->second;
-  FinishedSubmap& submap = added.submaps.at(first.submap);
+  FinishedSubmap& submap = added.submaps.begin()->second;
   const sensor::PairedScan first_scan = FindScan(session.scans, first.sequence, first.time);
   const Pose2 T_first_submap = Between(first.T_map_node, submap.T_map_submap);
   const Pose2 T_chain_session =

@@ -56,21 +56,19 @@ absl::Status Add(slam::SlamMap rest, const slam::OccupancyOptions& options, slam
 
 absl::Status ChainedSessions::AppendNext(slam::SessionChain& chain) {
   ENFILADE_ASSIGN_OR_RETURN(Whole session, ReadNext());
-  absl::Status status;
+  const std::set<std::int64_t> wanted = ScansOf(session.mapping.map);
+  absl::Status status = FailedPrecondition("only a part of it is used");
   if (!IsInPart(session.mapping.map)) {
-    slam::ChainedSession chained;
-    ENFILADE_ASSIGN_OR_RETURN(chained.scans, ReadScans(session, ScansOf(session.mapping.map)));
+    slam::ChainedSession mapped;
+    mapped.map = std::move(session.mapping.map);
     // What a rest of a cut knew is with the session's beginning.
-    if (const auto errors = slam::LogMapper::ErrorsAt(session.mapping.checkpoint); errors.ok()) {
-      chained.errors = *errors;
-    }
-    chained.map = std::move(session.mapping.map);
-    status = chain.Append(chained);
-    session.mapping.map = std::move(chained.map);
+    if (const auto errors = slam::LogMapper::ErrorsAt(session.mapping.checkpoint); errors.ok()) mapped.errors = *errors;
+    ENFILADE_ASSIGN_OR_RETURN(mapped.scans, ReadScans(session.pieces, wanted));
+    status = chain.Append(mapped);
   }
-  if (IsInPart(session.mapping.map) || absl::IsFailedPrecondition(status) || absl::IsDataLoss(status)) {
-    ENFILADE_ASSIGN_OR_RETURN(const slam::ChainedSession chained, MapAgain(session));
-    status = chain.Append(chained);
+  if (absl::IsFailedPrecondition(status) || absl::IsDataLoss(status)) {
+    ENFILADE_ASSIGN_OR_RETURN(const slam::ChainedSession again, MapAgain(session.pieces, wanted));
+    status = chain.Append(again);
   }
   if (status.ok()) appended_ += session.pieces.size();
   return status;
@@ -118,7 +116,7 @@ std::set<std::int64_t> ChainedSessions::ScansOf(const slam::SlamMap& map) const 
   return sequences;
 }
 
-absl::StatusOr<std::vector<sensor::PairedScan>> ChainedSessions::ReadScans(const Whole& session,
+absl::StatusOr<std::vector<sensor::PairedScan>> ChainedSessions::ReadScans(const Pieces& pieces,
                                                                            const Wanted& wanted) const {
   sensor::ScanPairing pairing(pairing_);
   std::vector<sensor::PairedScan> scans;
@@ -129,7 +127,7 @@ absl::StatusOr<std::vector<sensor::PairedScan>> ChainedSessions::ReadScans(const
     }
     settled.clear();
   };
-  for (const storage::Session* piece : session.pieces) {
+  for (const storage::Session* piece : pieces) {
     ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(*piece, until_, [&](sensor::Record record) {
       pairing.Add(record.sequence, std::move(record.payload), settled);
       take();
@@ -141,12 +139,13 @@ absl::StatusOr<std::vector<sensor::PairedScan>> ChainedSessions::ReadScans(const
   return scans;
 }
 
-absl::StatusOr<slam::ChainedSession> ChainedSessions::MapAgain(const Whole& session) const {
+absl::StatusOr<slam::ChainedSession> ChainedSessions::MapAgain(const Pieces& pieces,
+                                                               const std::set<std::int64_t>& keyframes) const {
   // Without odometry nothing else bridges the way from keyframe to keyframe.
-  bool all = false;
-  for (const storage::Session* piece : session.pieces) all = all || piece->record_counts.odometry == 0;
+  const bool all = std::any_of(pieces.begin(), pieces.end(),
+                               [](const storage::Session* piece) { return piece->record_counts.odometry == 0; });
   slam::ChainedSession again;
-  ENFILADE_ASSIGN_OR_RETURN(again.scans, ReadScans(session, all ? Wanted() : Wanted(ScansOf(session.mapping.map))));
+  ENFILADE_ASSIGN_OR_RETURN(again.scans, ReadScans(pieces, all ? Wanted() : Wanted(keyframes)));
   slam::Mapper mapper(ForKeyframes(slam_));
   for (const sensor::PairedScan& scan : again.scans) mapper.AddScan(scan);
   mapper.Finish();

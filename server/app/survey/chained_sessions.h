@@ -38,9 +38,11 @@ class ChainedSessions {
   absl::Status AppendNext(slam::SessionChain& chain);
 
  private:
+  // Of one session, in order.
+  using Pieces = std::vector<const storage::Session*>;
   // A session as it was mapped.
   struct Whole {
-    std::vector<const storage::Session*> pieces;
+    Pieces pieces;
     storage::StoredMapping mapping;
   };
   // Record sequences of scans; unset: all.
@@ -51,8 +53,8 @@ class ChainedSessions {
   bool IsAfter(TimeNs time) const { return until_ && time > *until_; }
   bool IsInPart(const slam::SlamMap& map) const;
   std::set<std::int64_t> ScansOf(const slam::SlamMap& map) const;
-  absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(const Whole& session, const Wanted& wanted) const;
-  absl::StatusOr<slam::ChainedSession> MapAgain(const Whole& session) const;
+  absl::StatusOr<std::vector<sensor::PairedScan>> ReadScans(const Pieces& pieces, const Wanted& wanted) const;
+  absl::StatusOr<slam::ChainedSession> MapAgain(const Pieces& pieces, const std::set<std::int64_t>& keyframes) const;
 
   const SessionReader& reader_;
   const sensor::ScanPairingOptions& pairing_;

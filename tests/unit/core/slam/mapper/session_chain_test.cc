@@ -202,6 +202,12 @@ TEST_F(RefusedSessionTest, ASubmapThatIsMissing) {
   ExpectRefused(refused_, absl::StatusCode::kFailedPrecondition);
 }
 
+TEST_F(RefusedSessionTest, KeyframesThatAreMissing) {
+  const std::int64_t submap = refused_.map.nodes.begin()->second.submap;
+  std::erase_if(refused_.map.nodes, [&](const auto& node) { return node.second.submap == submap; });
+  ExpectRefused(refused_, absl::StatusCode::kFailedPrecondition);
+}
+
 TEST_F(RefusedSessionTest, SubmapsOfAnotherResolution) {
   SlamOptions coarse;
   coarse.resolution = 0.1;
