@@ -97,7 +97,8 @@ struct ServerOptions {
     // not surveyed.
     double share = 0.25;
     // While robots record at a site, it is surveyed again once as many sessions are new as this share of those that the
-    // last survey has seen, and at the latest this long after it, s. Once a robot records no more, it is surveyed at once.
+    // last survey has seen, and at the latest this long after it, s. As soon as a robot records no more, it is
+    // surveyed.
     double growth = 1.0;
     double interval_s = 300.0;
     // Memory for what the last surveys have mapped, so that the next one goes on from there, bytes.

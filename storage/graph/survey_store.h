@@ -16,7 +16,8 @@ namespace enfilade::storage {
 struct PendingSurvey {
   SiteId site;
   std::int64_t sessions = 0;  // that are mapped and judged, and that no survey has seen
-  bool drive_ended = false;   // a robot that has recorded some of them has recorded none for a second, and all is mapped
+  // A robot that has recorded some of them has recorded none for a second, and all of its are mapped.
+  bool drive_ended = false;
 
   friend bool operator==(const PendingSurvey&, const PendingSurvey&) = default;
 };
