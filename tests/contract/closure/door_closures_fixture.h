@@ -45,8 +45,7 @@ class Workers {
     closures_.emplace(options_,
                       server::DoorClosureStores{sessions_, records_, mappings_, blobs_, features_, maps_, link_points_,
                                                 verdicts_, leases_},
-                      graphs_, wake_,
-                      server::DoorClosures::Listeners{.entered = [this] { mapping_->Wake(); }, .judged = [] {}});
+                      graphs_, wake_, [this] { mapping_->Wake(); });
   }
 
   server::SiteGraphs& graphs() { return graphs_; }
