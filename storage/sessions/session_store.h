@@ -92,10 +92,10 @@ class SessionStore {
  public:
   virtual ~SessionStore() = default;
 
-  // Uses site, id, robot, map and entry. A session whose previous one has been cut since follows the last piece of it.
-  // NOT_FOUND naming the site, robot, map or previous session that is missing;
-  // ALREADY_EXISTS if the id is taken, also by a deleted session; INVALID_ARGUMENT if the entry pose's covariance is
-  // invalid. `request_id` as in SiteStore.
+  // Uses site, id, robot, map and entry. If the previous session has been cut since, the new one follows its last
+  // piece. NOT_FOUND naming the site, robot, map or previous session that is missing; ALREADY_EXISTS if the id is
+  // taken, also by a deleted session; INVALID_ARGUMENT if the entry pose's covariance is invalid. `request_id` as in
+  // SiteStore.
   virtual absl::StatusOr<Session> Create(const CallContext& context, const Session& session,
                                          const RequestId& request_id) const = 0;
   // NOT_FOUND, also for deleted sessions.

@@ -200,7 +200,7 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGr
     for (int column = first; column < end; ++column, column_at += column_step, row_at += row_step) {
       const std::int64_t from_column = column_at >> kFixedBits;
       const std::int64_t from_row = row_at >> kFixedBits;
-      // Of negative ones, too.
+      // Negative indices become large ones.
       if (static_cast<std::uint64_t>(from_column) >= width || static_cast<std::uint64_t>(from_row) >= height) continue;
       const std::int16_t value =
           values[static_cast<std::size_t>(from_row) * width + static_cast<std::size_t>(from_column)];

@@ -23,7 +23,7 @@ constexpr Statement kInsertSession{
     "INSERT INTO enfilade.sessions (site_id, session_id, robot_id, map_id, request_id, previous_session_id, initial_x,"
     " initial_y, initial_yaw, initial_covariance, initial_odom_x, initial_odom_y, initial_odom_yaw, request_sha256)"
     " SELECT $1, $2, $3, $4, $5, coalesce((" ENFILADE_LAST_PIECE("$6") "), $6), $7, $8, $9, $10, $11, $12, $13, $14"};
-// Whoever cuts it waits until the session that follows it is there, or has been waited for.
+// So that it is not cut while the session that follows it is being created.
 constexpr Statement kLockLastPiece{"locking the session before", ENFILADE_LAST_PIECE("$2") " FOR SHARE OF p"};
 constexpr Statement kFindSessionRequest{
     "looking for an earlier request",
