@@ -16,13 +16,16 @@ void SlamMap::Apply(SlamDelta delta) {
   trajectory.insert(trajectory.end(), delta.trajectory.begin(), delta.trajectory.end());
 }
 
-std::vector<StampedPose> TrajectoryOf(const SlamMap& map) {
+std::vector<StampedPose> TrajectoryOf(const std::map<std::int64_t, SlamNode>& nodes,
+                                      const std::vector<TrajectoryPoint>& trajectory) {
   std::vector<StampedPose> poses;
-  poses.reserve(map.trajectory.size());
-  for (const TrajectoryPoint& point : map.trajectory) {
-    poses.push_back({point.time, map.nodes.at(point.node).T_map_node * point.T_node_robot});
+  poses.reserve(trajectory.size());
+  for (const TrajectoryPoint& point : trajectory) {
+    poses.push_back({point.time, nodes.at(point.node).T_map_node * point.T_node_robot});
   }
   return poses;
 }
+
+std::vector<StampedPose> TrajectoryOf(const SlamMap& map) { return TrajectoryOf(map.nodes, map.trajectory); }
 
 }  // namespace enfilade::slam

@@ -93,6 +93,8 @@ struct StampedPose {
 };
 
 // Every used scan's pose by the current estimate, in the order of the log.
+std::vector<StampedPose> TrajectoryOf(const std::map<std::int64_t, SlamNode>& nodes,
+                                      const std::vector<TrajectoryPoint>& trajectory);
 std::vector<StampedPose> TrajectoryOf(const SlamMap& map);
 
 }  // namespace enfilade::slam

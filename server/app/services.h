@@ -23,6 +23,7 @@
 #include "server/app/runtime/executor.h"
 #include "server/app/runtime/metrics.h"
 #include "server/app/runtime/readiness.h"
+#include "server/app/runtime/wake_signal.h"
 #include "server/app/sites/site_deletions.h"
 #include "server/app/uploads/upload_space.h"
 #include "server/app/watch/site_looks.h"
@@ -91,6 +92,7 @@ struct Services {
   Ingest& ingest;
   PoseReports& pose_reports;
   Mapping& mapping;
+  WakeSignal& doors_wake;  // a session may be waiting for a verdict
   MapExports& exports;
   MapEdits& map_edits;
   DraftPresences& draft_presences;

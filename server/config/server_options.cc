@@ -57,6 +57,8 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("transfers.upload_disk_bytes", options.transfers.upload_disk_bytes);
   visit("transfers.upload_directory", options.transfers.upload_directory);
   visit("survey.share", options.survey.share);
+  visit("survey.growth", options.survey.growth);
+  visit("survey.interval_s", options.survey.interval_s);
   visit("survey.cache_bytes", options.survey.cache_bytes);
   visit("prior_maps.realign_s", options.prior_maps.realign_s);
   visit("retention.interval_s", options.retention.interval_s);
@@ -274,6 +276,8 @@ absl::Status ServerOptions::Validate() const {
   if (!(survey.share >= 0.0 && survey.share <= 1.0)) {
     return InvalidArgument("survey.share is {}: expected 0 to 1", survey.share);
   }
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("survey.growth", survey.growth, 0.0));
+  ENFILADE_RETURN_IF_ERROR(RequireAtLeast("survey.interval_s", survey.interval_s, 0.0));
   if (prior_maps.realign_s != 0.0 && !(prior_maps.realign_s >= 1.0 && prior_maps.realign_s <= kCentury)) {
     return InvalidArgument("prior_maps.realign_s is {}: expected 0, or 1 to {}, which is a century",
                            prior_maps.realign_s, kCentury);

@@ -96,6 +96,11 @@ struct ServerOptions {
     // The largest share of a processor for surveys, which make each room one map (docs/survey.md), 0 to 1. 0: sites are
     // not surveyed.
     double share = 0.25;
+    // While robots record at a site, it is surveyed again once as many sessions are new as this share of those that the
+    // last survey has seen, and at the latest this long after it, s. As soon as a robot records no more, it is
+    // surveyed.
+    double growth = 1.0;
+    double interval_s = 300.0;
     // Memory for what the last surveys have mapped, so that the next one goes on from there, bytes.
     std::int64_t cache_bytes = 512LL << 20;
   } survey;

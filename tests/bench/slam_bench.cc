@@ -2,7 +2,8 @@
 // SLAM's cost on a recorded log driven again and again, as JSON on standard output:
 //   bench_slam LOG [--laps N] [--no-odometry]
 // Every second lap plays the log backwards, so that the drive goes on where it was. Seconds are processor time of this
-// process: one core, everything from the scan to the solved graph included, reading the file not.
+// process: one core, everything from the scan to the solved graph included, reading the file not. Also: drawing the map
+// (median of 5), and joining the first lap as 30 sessions that were mapped before (slam::SessionChain).
 
 #include <sys/resource.h>
 
@@ -15,7 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/slam/mapper/log_mapper.h"
+#include "core/slam/mapper/map_renderer.h"
+#include "core/slam/mapper/mapper.h"
+#include "core/slam/mapper/session_chain.h"
 #include "tests/bench/support/recorded_scans.h"
 
 namespace enfilade::bench {
@@ -29,9 +32,54 @@ std::int64_t PeakMemory() {
   return usage.ru_maxrss * std::int64_t{1024};
 }
 
+double SecondsToRender(const slam::Mapper& mapper) {
+  constexpr int kTimes = 5;
+  std::vector<double> seconds;
+  for (int i = 0; i < kTimes; ++i) {
+    const slam::SlamOptions options;
+    slam::MapRenderer renderer(options.resolution, slam::LogOddsOptionsOf(options.occupancy));
+    const double begin = ProcessorSeconds();
+    mapper.RenderGrid(renderer);
+    seconds.push_back(ProcessorSeconds() - begin);
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[kTimes / 2];
+}
+
+// The scans as so many sessions, each mapped on its own.
+std::vector<slam::ChainedSession> MapSessions(const std::vector<sensor::PairedScan>& scans, std::size_t count) {
+  std::vector<slam::ChainedSession> sessions(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    slam::Mapper mapper(slam::SlamOptions{});
+    for (std::size_t k = i * scans.size() / count; k < (i + 1) * scans.size() / count; ++k) {
+      const slam::ScanReport report = mapper.AddScan(scans[k]);
+      if (report.keyframe) sessions[i].scans.push_back(scans[k]);
+    }
+    mapper.Finish();
+    sessions[i].map.Apply(mapper.TakeDelta());
+  }
+  return sessions;
+}
+
+nlohmann::json JoinSessions(const std::vector<sensor::PairedScan>& scans) {
+  constexpr std::size_t kSessions = 30;
+  const std::vector<slam::ChainedSession> sessions = MapSessions(scans, kSessions);
+  slam::SessionChain chain(slam::SlamOptions{}, std::nullopt);
+  const double begin = ProcessorSeconds();
+  for (const slam::ChainedSession& session : sessions) {
+    if (!chain.Append(session).ok()) return nullptr;
+  }
+  const double appended = ProcessorSeconds();
+  chain.Finish();
+  return {{"sessions", kSessions},
+          {"seconds_to_append", appended - begin},
+          {"seconds_to_finish", ProcessorSeconds() - appended}};
+}
+
 nlohmann::json Run(std::vector<sensor::PairedScan> scans, int laps) {
   nlohmann::json report;
   report["scans_per_lap"] = scans.size();
+  report["joined"] = JoinSessions(scans);
   slam::Mapper mapper(slam::SlamOptions{});
   double total = 0.0;
   std::int64_t closures = 0;
@@ -56,6 +104,7 @@ nlohmann::json Run(std::vector<sensor::PairedScan> scans, int laps) {
     std::reverse(scans.begin(), scans.end());
   }
   report["seconds"] = total;
+  report["seconds_to_render"] = SecondsToRender(mapper);
   report["scans_per_second"] = static_cast<double>(scans.size()) * laps / total;
   return report;
 }

@@ -121,6 +121,8 @@ void PutTies(const std::map<std::int64_t, Eigen::Matrix3d>& ties, const SlamOpti
   for (const auto& [id, information] : ties) {
     FinishedSubmap& submap = reconsidered.state.finished.at(id);
     SubmapContent content = DecodeSubmapContent(submap.content, options.occupancy).value();  // written by this program
+    content.nodes = submap.nodes;
+    content.next = submap.next;
     content.next->information = information;
     submap = FinishSubmap(submap.T_map_submap, submap.version + 1, Encode(content), content.nodes, content.next);
     reconsidered.contents.insert(id);

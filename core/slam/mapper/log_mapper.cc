@@ -6,11 +6,34 @@
 #include "core/base/binary.h"
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/slam/state/checkpoint.h"
 
 namespace enfilade::slam {
 namespace {
 
 constexpr std::uint8_t kLogMapperVersion = 1;
+
+// Of a checkpoint.
+struct Parts {
+  LogMapperCounts counts;
+  std::string_view pairing;
+  std::string_view mapper;
+};
+
+absl::StatusOr<Parts> Divide(std::string_view checkpoint) {
+  BinaryReader reader(checkpoint);
+  if (reader.Get<std::uint8_t>() != kLogMapperVersion) {
+    return DataLoss("the checkpoint has a version that this program does not know");
+  }
+  Parts parts;
+  parts.counts.used = reader.Get<std::int64_t>();
+  parts.counts.keyframes = reader.Get<std::int64_t>();
+  parts.counts.lost = reader.Get<std::int64_t>();
+  parts.pairing = reader.GetString();
+  parts.mapper = reader.GetString();
+  if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");
+  return parts;
+}
 
 }  // namespace
 
@@ -56,22 +79,17 @@ std::string LogMapper::Checkpoint() const {
 absl::StatusOr<LogMapper> LogMapper::Restore(const sensor::ScanPairingOptions& pairing_options,
                                              const SlamOptions& slam_options, const SlamMap& stored,
                                              std::string_view checkpoint) {
-  BinaryReader reader(checkpoint);
-  if (reader.Get<std::uint8_t>() != kLogMapperVersion) {
-    return DataLoss("the checkpoint has a version that this program does not know");
-  }
-  LogMapperCounts counts;
-  counts.used = reader.Get<std::int64_t>();
-  counts.keyframes = reader.Get<std::int64_t>();
-  counts.lost = reader.Get<std::int64_t>();
-  const std::string_view pairing_bytes = reader.GetString();
-  const std::string_view mapper_bytes = reader.GetString();
-  if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");
-  ENFILADE_ASSIGN_OR_RETURN(sensor::ScanPairing pairing, sensor::ScanPairing::Restore(pairing_options, pairing_bytes));
-  ENFILADE_ASSIGN_OR_RETURN(Mapper mapper, Mapper::Restore(slam_options, stored, mapper_bytes));
+  ENFILADE_ASSIGN_OR_RETURN(const Parts parts, Divide(checkpoint));
+  ENFILADE_ASSIGN_OR_RETURN(sensor::ScanPairing pairing, sensor::ScanPairing::Restore(pairing_options, parts.pairing));
+  ENFILADE_ASSIGN_OR_RETURN(Mapper mapper, Mapper::Restore(slam_options, stored, parts.mapper));
   LogMapper log_mapper(std::move(pairing), std::move(mapper));
-  log_mapper.counts_ = counts;
+  log_mapper.counts_ = parts.counts;
   return log_mapper;
+}
+
+absl::StatusOr<ErrorStatistics> LogMapper::ErrorsAt(std::string_view checkpoint) {
+  ENFILADE_ASSIGN_OR_RETURN(const Parts parts, Divide(checkpoint));
+  return DecodeErrors(parts.mapper);
 }
 
 }  // namespace enfilade::slam

@@ -11,6 +11,7 @@
 #include "core/sensor/record.h"
 #include "core/sensor/scan_pairing.h"
 #include "core/slam/mapper/mapper.h"
+#include "core/slam/state/variance_factor.h"
 
 namespace enfilade::slam {
 
@@ -34,6 +35,9 @@ class LogMapper {
   // `stored`: the sum of the deltas up to the checkpoint. DATA_LOSS if they do not belong together.
   static absl::StatusOr<LogMapper> Restore(const sensor::ScanPairingOptions& pairing, const SlamOptions& slam,
                                            const SlamMap& stored, std::string_view checkpoint);
+
+  // What a mapper knew of its errors at a checkpoint. DATA_LOSS if it is damaged.
+  static absl::StatusOr<ErrorStatistics> ErrorsAt(std::string_view checkpoint);
 
   // In the order of the log. Images, clouds and withheld records are ignored.
   void Add(sensor::Record record);

@@ -10,12 +10,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/slam/loops/edge_information.h"
-#include "core/slam/loops/last_pass.h"
-#include "core/slam/loops/loop_closer.h"
-#include "core/slam/loops/reconsider.h"
-#include "core/slam/loops/slam_graph.h"
-#include "core/slam/loops/submap_cache.h"
-#include "core/slam/mapper/delta_tracker.h"
+#include "core/slam/mapper/back_end.h"
 #include "core/slam/mapper/locate_scan.h"
 #include "core/slam/mapper/map_renderer.h"
 #include "core/slam/mapper/policies.h"
@@ -38,12 +33,12 @@ ScanReport NotUsed(std::string reason) {
 class Mapper::Impl {
  public:
   explicit Impl(const SlamOptions& options)
-      : options_(options), cache_(options), renderer_(options.resolution, LogOddsOptionsOf(options.occupancy)) {}
+      : options_(options), back_end_(options), renderer_(options.resolution, LogOddsOptionsOf(options.occupancy)) {}
 
   Impl(const SlamOptions& options, const ExistingMap& existing_map) : Impl(options) {
     state_.entry = existing_map.entry;
     state_.finished[0] = FinishExistingMap(1, ContentOf(existing_map.grid, options_));
-    changes_.MarkContent(0);
+    back_end_.changes().MarkContent(0);
   }
 
   Impl(const SlamOptions& options, MapperState state) : Impl(options) {
@@ -79,8 +74,8 @@ class Mapper::Impl {
     report.lost = IsLost(state_.track->quality, options_.quality) || state_.adrift_since.has_value();
     report.matched_share = located.matched_share;
     if (options_.match_scans) report.match_age = ToSeconds(state_.track->time - state_.track->matched_at);
-    changes_.Append({scan.sequence, scan.scan.time, LastNode().node,
-                     Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
+    back_end_.changes().Append({scan.sequence, scan.scan.time, LastNode().node,
+                                Between(LastNode().T_submap_node, state_.track->T_submap_robot)});
     return report;
   }
 
@@ -88,21 +83,17 @@ class Mapper::Impl {
     const bool is_first = !state_.ended;
     if (is_first && state_.active) FinishActive(std::nullopt);
     state_.ended = true;
-    if (!options_.match_scans) return;
-    Solve();
-    if (!options_.close_loops) return;
-    Reconsider();
-    if (is_first) JoinUnjoined();
+    if (options_.match_scans) back_end_.Finish(is_first, state_);
   }
 
-  SlamDelta TakeDelta() { return changes_.Take(state_); }
+  SlamDelta TakeDelta() { return back_end_.changes().Take(state_); }
 
   std::string Checkpoint() const { return EncodeCheckpoint(state_); }
 
   Footprint footprint() const {
     Footprint footprint;
     footprint.kept = KeptBytes(state_);
-    footprint.working = cache_.bytes();
+    footprint.working = back_end_.bytes();
     if (state_.active) footprint.working += state_.active->bytes() + fields_->bytes();
     footprint.raster = renderer_.bytes();
     return footprint;
@@ -149,20 +140,12 @@ class Mapper::Impl {
       const PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
       first.id = 1;
       first.T_map_submap = T_map_first.pose;
-      TieToExistingMap(T_map_first);
+      state_.finished[0] = TiedToFirst(state_.finished.at(0), T_map_first, options_);
+      back_end_.changes().MarkContent(0);
     }
     state_.active = std::move(first);
     fields_.emplace(options_.resolution, options_.local);
     return LocateFirstScan(scan);
-  }
-
-  void TieToExistingMap(const PoseWithCovariance& T_map_first) {
-    FinishedSubmap& existing = state_.finished.at(0);
-    SubmapContent content = Decoded(existing);
-    const Eigen::Matrix3d information = T_map_first.covariance.inverse();
-    content.next = NextSubmap{T_map_first.pose, 0.5 * (information + information.transpose())};
-    existing = FinishExistingMap(existing.version + 1, content);
-    changes_.MarkContent(0);
   }
 
   void AddKeyframe(const sensor::PairedScan& scan, const grid::ScanRays& rays, const Eigen::Matrix3d& information) {
@@ -185,9 +168,9 @@ class Mapper::Impl {
            rays);
     ++submap.version;
     state_.nodes[node.id] = node;
-    changes_.MarkNode(node.id);
-    changes_.MarkSubmap(submap.id);
-    if (options_.close_loops && options_.match_scans) CloseLoops(node, rays);
+    back_end_.changes().MarkNode(node.id);
+    back_end_.changes().MarkSubmap(submap.id);
+    if (options_.close_loops && options_.match_scans) back_end_.CloseLoops(node, rays, state_);
   }
 
   // Adds a keyframe to the active submap. If the grid refuses the scan (absurdly far away), only the pose is added.
@@ -197,64 +180,6 @@ class Mapper::Impl {
     if (changed.ok()) fields_->Update(content.grid, *changed);
     content.nodes.push_back(std::move(node));
     content.scans.push_back(rays);
-  }
-
-  void Add(std::vector<LoopClosure> closures) {
-    for (LoopClosure& closure : closures) {
-      changes_.MarkLoopClosure(closure.id);
-      if (closure.state == LoopClosureState::kAccepted) {
-        state_.unsolved_closures = true;
-        Join(closure, state_);
-        if (LoopClosureChi2(state_, closure) > options_.graph.urgent_chi2) state_.urgent_closures = true;
-      }
-      state_.loop_closures[closure.id] = std::move(closure);
-    }
-  }
-
-  // Compares what no closure has joined, when there are no more scans.
-  void JoinUnjoined() {
-    LastPass pass(options_);
-    while (const std::optional<UnjoinedPair> pair = pass.Next(state_)) {
-      Add(pass.Try(state_, *pair, cache_));
-      if (!state_.unsolved_closures) continue;
-      Solve();
-      Reconsider();
-      pass.Forget();
-    }
-  }
-
-  void CloseLoops(const SlamNode& node, const grid::ScanRays& rays) {
-    Add(TryLoopClosures(state_, node, rays, options_, cache_));
-    const auto nodes = static_cast<std::int64_t>(state_.nodes.size());
-    if (state_.unsolved_closures && IsSolveDue(nodes, state_.nodes_at_solve, state_.urgent_closures, options_.graph)) {
-      Solve();
-      Reconsider();
-    }
-  }
-
-  void Solve() {
-    changes_.Mark(SolveSlamGraph(options_.graph, state_));
-    JoinAll(state_);
-    state_.nodes_at_solve = static_cast<std::int64_t>(state_.nodes.size());
-    state_.unsolved_closures = false;
-    state_.urgent_closures = false;
-    if (state_.adrift_since && IsRecognised(state_, *state_.adrift_since)) state_.adrift_since.reset();
-  }
-
-  // Accepts closures that the graph has rejected and that agree with one another, set by set.
-  void Reconsider() {
-    constexpr int kMostSets = 8;
-    for (int set = 0; set < kMostSets; ++set) {
-      std::optional<Reconsidered> found = ReconsiderClosures(state_, options_, cache_);
-      if (!found) return;
-      for (const std::int64_t submap : found->contents) changes_.MarkContent(submap);
-      // Those that the graph had moved already keep their marks.
-      for (const auto& [id, submap] : found->state.finished) changes_.MarkSubmap(id);
-      for (const auto& [id, node] : found->state.nodes) changes_.MarkNode(id);
-      changes_.Mark(found->change);
-      state_ = std::move(found->state);
-      Solve();
-    }
   }
 
   SubmapContent EmptyContent() const { return {{}, {}, {}, SubmapGrid(options_.resolution, options_.occupancy)}; }
@@ -297,16 +222,15 @@ class Mapper::Impl {
     last.content.next = next;
     state_.finished[last.id] =
         FinishSubmap(last.T_map_submap, last.version, Encode(last.content), last.content.nodes, next);
-    changes_.MarkContent(last.id);
+    back_end_.changes().MarkContent(last.id);
     return last;
   }
 
   SlamOptions options_;
   MapperState state_;
-  DeltaTracker changes_;
+  BackEnd back_end_;
   // Derived from the state, kept to save work.
   std::optional<LocalFields> fields_;
-  SubmapCache cache_;
   mutable MapRenderer renderer_;
 };
 

@@ -110,6 +110,34 @@ absl::Status GetActive(BinaryReader& reader, const SlamMap& stored, const Occupa
   return absl::OkStatus();
 }
 
+// What a checkpoint begins with.
+struct Beginning {
+  std::uint8_t version = 0;
+  std::uint64_t nodes = 0;
+  std::uint64_t finished = 0;
+  std::uint64_t closures = 0;
+  MapperState state;  // without what follows
+};
+
+absl::StatusOr<Beginning> GetBeginning(BinaryReader& reader) {
+  Beginning beginning;
+  beginning.version = reader.Get<std::uint8_t>();
+  if (beginning.version < kVersionWithoutEntry || beginning.version > kCheckpointVersion) {
+    return DataLoss("the checkpoint has version {}, which this program does not know", beginning.version);
+  }
+  beginning.nodes = reader.Get<std::uint64_t>();
+  beginning.finished = reader.Get<std::uint64_t>();
+  beginning.closures = reader.Get<std::uint64_t>();
+  MapperState& state = beginning.state;
+  state.ended = reader.Get<std::uint8_t>() != 0;
+  state.nodes_at_solve = reader.Get<std::int64_t>();
+  state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
+  state.urgent_closures = reader.Get<std::uint8_t>() != 0;
+  if (const auto since = reader.Get<std::int64_t>(); since >= 0) state.adrift_since = since;
+  if (beginning.version > kVersionWithoutErrors) state.errors = GetErrors(reader);
+  return beginning;
+}
+
 }  // namespace
 
 std::string EncodeCheckpoint(const MapperState& state) {
@@ -135,21 +163,9 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
                                              const OccupancyOptions& options) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
   BinaryReader reader(bytes);
-  const auto version = reader.Get<std::uint8_t>();
-  if (version < kVersionWithoutEntry || version > kCheckpointVersion) {
-    return DataLoss("the checkpoint has version {}, which this program does not know", version);
-  }
-  MapperState state;
-  const auto nodes = reader.Get<std::uint64_t>();
-  const auto finished = reader.Get<std::uint64_t>();
-  const auto closures = reader.Get<std::uint64_t>();
-  state.ended = reader.Get<std::uint8_t>() != 0;
-  state.nodes_at_solve = reader.Get<std::int64_t>();
-  state.unsolved_closures = reader.Get<std::uint8_t>() != 0;
-  state.urgent_closures = reader.Get<std::uint8_t>() != 0;
-  if (const auto since = reader.Get<std::int64_t>(); since >= 0) state.adrift_since = since;
-  if (version > kVersionWithoutErrors) state.errors = GetErrors(reader);
-  if (version > kVersionWithoutEntry) state.entry = GetEntry(reader);
+  ENFILADE_ASSIGN_OR_RETURN(Beginning beginning, GetBeginning(reader));
+  MapperState& state = beginning.state;
+  if (beginning.version > kVersionWithoutEntry) state.entry = GetEntry(reader);
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");
@@ -159,13 +175,23 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   }
   state.nodes = stored.nodes;
   state.loop_closures = stored.loop_closures;
-  if (state.nodes.size() != nodes || state.finished.size() != finished || state.loop_closures.size() != closures) {
+  if (state.nodes.size() != beginning.nodes || state.finished.size() != beginning.finished ||
+      state.loop_closures.size() != beginning.closures) {
     return DataLoss(
         "the checkpoint belongs to {} nodes, {} finished submaps and {} loop closures, but {}, {} and {} are stored",
-        nodes, finished, closures, state.nodes.size(), state.finished.size(), state.loop_closures.size());
+        beginning.nodes, beginning.finished, beginning.closures, state.nodes.size(), state.finished.size(),
+        state.loop_closures.size());
   }
   JoinAll(state);
-  return state;
+  return std::move(state);
+}
+
+absl::StatusOr<ErrorStatistics> DecodeErrors(std::string_view checkpoint) {
+  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, Decompress(checkpoint, kMaxCheckpointBytes));
+  BinaryReader reader(bytes);
+  ENFILADE_ASSIGN_OR_RETURN(const Beginning beginning, GetBeginning(reader));
+  if (!reader.ok()) return DataLoss("the checkpoint is truncated");
+  return beginning.state.errors;
 }
 
 }  // namespace enfilade::slam

@@ -19,4 +19,7 @@ std::string EncodeCheckpoint(const MapperState& state);
 absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const SlamMap& stored,
                                              const OccupancyOptions& options);
 
+// Of a checkpoint alone, without the stored rows. DATA_LOSS if it is damaged.
+absl::StatusOr<ErrorStatistics> DecodeErrors(std::string_view checkpoint);
+
 }  // namespace enfilade::slam

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/slam/state/existing_map.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -35,6 +35,14 @@ PoseWithCovariance PoseAtScan(const ExistingMapEntry& entry, const std::optional
   const double t = motion.sigma_translation * motion.sigma_translation;
   const Eigen::Vector3d variances(t, t, motion.sigma_yaw * motion.sigma_yaw);
   return Compose(pose, {motion.T_last_now, variances.asDiagonal()});
+}
+
+FinishedSubmap TiedToFirst(const FinishedSubmap& existing, const PoseWithCovariance& T_map_first,
+                           const SlamOptions& options) {
+  SubmapContent content = DecodeSubmapContent(existing.content, options.occupancy).value();  // written by this program
+  const Eigen::Matrix3d information = T_map_first.covariance.inverse();
+  content.next = NextSubmap{T_map_first.pose, 0.5 * (information + information.transpose())};
+  return FinishExistingMap(existing.version + 1, content);
 }
 
 EntryReach ReachOf(const ExistingMapEntry& entry) {

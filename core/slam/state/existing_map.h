@@ -7,6 +7,7 @@
 #include "core/geometry/pose2.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/slam/slam_options.h"
+#include "core/slam/submaps/finished_submap.h"
 #include "core/slam/submaps/submap.h"
 
 namespace enfilade::slam {
@@ -32,6 +33,10 @@ SubmapContent ContentOf(const grid::OccupancyGrid& grid, const SlamOptions& opti
 // is the sum of the entry's, the odometry's and that of matching a scan (graph.match_sigma_floor, match_yaw_floor).
 PoseWithCovariance PoseAtScan(const ExistingMapEntry& entry, const std::optional<Pose2>& T_odom_now,
                               const SlamOptions& options);
+
+// Submap 0 after the first own submap was begun at `T_map_first`, in the existing map's frame.
+FinishedSubmap TiedToFirst(const FinishedSubmap& existing, const PoseWithCovariance& T_map_first,
+                           const SlamOptions& options);
 
 // Three standard deviations of the entry: of the translation in its least certain direction (m) and of the yaw (rad).
 struct EntryReach {

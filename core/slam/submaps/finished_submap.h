@@ -20,6 +20,7 @@ struct FinishedSubmap {
   Pose2 T_map_submap;
   std::int64_t version = 0;
   std::string content;  // Encode(SubmapContent)
+  // Those of the content; of a submap that SessionChain has joined to others, by its numbers.
   std::vector<SubmapNode> nodes;
   std::optional<NextSubmap> next;
   double length = 0.0;  // m driven in it

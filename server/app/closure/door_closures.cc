@@ -20,7 +20,8 @@
 namespace enfilade::server {
 namespace {
 
-// Mapping by other replicas does not wake this process, so it polls.
+// Mapping by other replicas does not wake this process, so it polls; more often while something waits.
+constexpr auto kIdlePoll = std::chrono::seconds(2);
 constexpr auto kJudgingPoll = std::chrono::milliseconds(500);
 constexpr auto kBusyPoll = std::chrono::milliseconds(50);
 constexpr auto kEarlyPoll = std::chrono::seconds(2);
@@ -39,12 +40,12 @@ std::pair<SiteId, SessionId> KeyOf(const storage::PendingDoors& pending) { retur
 }  // namespace
 
 DoorClosures::DoorClosures(const closure::DoorClosureOptions& options, const DoorClosureStores& stores,
-                           SiteGraphs& graphs, WakeSignal& wake, std::function<void()> entered)
+                           SiteGraphs& graphs, WakeSignal& wake, Listeners listeners)
     : options_(options),
       stores_(stores),
       graphs_(graphs),
       wake_(wake),
-      entered_(std::move(entered)),
+      listeners_(std::move(listeners)),
       grounds_(kGroundBytes),
       owner_(NewUuid() + "/doors") {
   worker_ = std::thread([this] { Run(); });
@@ -62,7 +63,12 @@ void DoorClosures::Stop() {
 
 void DoorClosures::Run() {
   while (!stop_.is_set()) {
-    if (!JudgePending()) wake_.WaitFor(busy_until_.empty() ? kJudgingPoll : kBusyPoll);
+    if (JudgePending()) continue;
+    if (!busy_until_.empty()) {
+      wake_.WaitFor(kBusyPoll);
+    } else {
+      wake_.WaitFor(delays_.empty() ? kIdlePoll : kJudgingPoll);
+    }
   }
 }
 
@@ -140,6 +146,7 @@ absl::StatusOr<bool> DoorClosures::Settle(const JudgingLease& lease, const Sessi
   }
   ENFILADE_RETURN_IF_ERROR(SettleWaiting(lease, id));
   ENFILADE_RETURN_IF_ERROR(stores_.verdicts.MarkJudged(JudgingLease::Context(), lease.lease(), id));
+  listeners_.judged();
   return true;
 }
 
@@ -167,7 +174,7 @@ absl::StatusOr<bool> DoorClosures::SettleReport(const JudgingLease& lease, const
       const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
       spdlog::info("door {} of session {}: {} in {:.0f} ms: {}", report.sequence, session.id.value(),
                    closure::NameOf(verdict->decision), took.count(), verdict->reason);
-      if (verdict->entered_map) entered_();
+      if (verdict->entered_map) listeners_.entered();
       return true;
     }
     last = verdict.status();
@@ -207,7 +214,7 @@ absl::Status DoorClosures::SettleWaiting(const JudgingLease& lease, const Sessio
   }
   ENFILADE_RETURN_IF_ERROR(entered);
   spdlog::info("{} sessions after session {} have their map", waiting.size(), previous.value());
-  entered_();
+  listeners_.entered();
   return absl::OkStatus();
 }
 

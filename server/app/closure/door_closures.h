@@ -25,10 +25,14 @@ namespace enfilade::server {
 // so that a process that dies leaves nothing half done, and the next one continues from there.
 class DoorClosures {
  public:
-  // `wake` wakes it when a session may have been mapped. `entered` is called when sessions have been assigned their
-  // map.
+  struct Listeners {
+    std::function<void()> entered;  // sessions have been assigned their map
+    std::function<void()> judged;   // all doors of a session are judged
+  };
+
+  // `wake` wakes it when a session may have been mapped.
   DoorClosures(const closure::DoorClosureOptions& options, const DoorClosureStores& stores, SiteGraphs& graphs,
-               WakeSignal& wake, std::function<void()> entered);
+               WakeSignal& wake, Listeners listeners);
   ~DoorClosures();
   DoorClosures(const DoorClosures&) = delete;
   DoorClosures& operator=(const DoorClosures&) = delete;
@@ -56,7 +60,7 @@ class DoorClosures {
   const DoorClosureStores stores_;
   SiteGraphs& graphs_;
   WakeSignal& wake_;
-  const std::function<void()> entered_;
+  const Listeners listeners_;
   SeenGrounds grounds_;  // of the worker's thread
   const std::string owner_;
   StopSignal stop_;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/app/survey/growing_drive.h"
+#include "core/slam/mapper/session_chain.h"
 
 namespace enfilade::server {
 
@@ -16,13 +16,13 @@ namespace enfilade::server {
 class PackedDrive {
  public:
   PackedDrive() = default;
-  explicit PackedDrive(MappedDrive drive);
+  explicit PackedDrive(slam::ChainedMap drive);
 
-  absl::StatusOr<MappedDrive> Unpack() const;
+  absl::StatusOr<slam::ChainedMap> Unpack() const;
   std::size_t bytes() const;
 
  private:
-  MappedDrive rest_;  // without the grid's cells
+  slam::ChainedMap rest_;  // without the grid's cells
   std::size_t cell_count_ = 0;
   std::string cells_;  // compressed
 };
@@ -31,7 +31,8 @@ struct CachedDrive {
   std::string before;   // identifies the drives before it, which it was begun in
   std::string records;  // those that it contains (KeyOf); empty: a new one
   // Unset: a new one, nothing says where the drive is, or it is not expected to go on.
-  std::optional<GrowingDrive> growing;
+  std::optional<slam::SessionChain> chain;
+  std::string chained;  // identifies the records in the chain: more than `records` after an error
   PackedDrive mapped;
 };
 
@@ -40,7 +41,7 @@ struct CachedDrive {
 class DriveCache {
  public:
   // The drive `id` after `update` has mapped what is new of it.
-  absl::StatusOr<MappedDrive> Get(const std::string& id, const std::function<absl::Status(CachedDrive&)>& update);
+  absl::StatusOr<slam::ChainedMap> Get(const std::string& id, const std::function<absl::Status(CachedDrive&)>& update);
 
   // Forgets the drives that were not asked for since the last call.
   void DropUnused();

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
 #include "fmt/format.h"
+#include "server/app/survey/chained_sessions.h"
 #include "server/app/survey/drive_location.h"
 #include "server/app/survey/lift_rides.h"
 #include "server/app/survey/stored_drives.h"
@@ -129,7 +131,7 @@ class LevelMapper {
     if (!begins_level) to_map.start = StartByGraph(*first);
     to_map.by_scans = !begins_level && !to_map.start;
     const std::string id = Sha256(ids_before_ + (to_map.by_scans ? "?" : "") + BeginningOf(stored, environment));
-    ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped,
+    ENFILADE_ASSIGN_OR_RETURN(const slam::ChainedMap mapped,
                               run_.cache.Get(id, [&](CachedDrive& cached) { return BringUpToDate(to_map, cached); }));
     if (mapped.grid.cells.empty()) return !to_map.by_scans;
     ids_before_ = id;
@@ -170,19 +172,19 @@ class LevelMapper {
     const bool may_continue = site_.continue_drives || cached.before == mapped_before_;
     if (!may_continue || cached.records != drive.records) {
       std::size_t known = 0;
-      if (may_continue && cached.growing) known = CountSessionsOf(cached.records, drive.stored, drive.environment);
+      if (may_continue && cached.chain) known = CountSessionsOf(cached.chained, drive.stored, drive.environment);
       // All of them: before it was known that the last one leads to another level.
       if (known == drive.stored.size()) known = 0;
       if (known == 0) {
         ENFILADE_RETURN_IF_ERROR(Begin(drive, cached));
       }
-      if (cached.growing) {
+      if (cached.chain) {
         ENFILADE_RETURN_IF_ERROR(Extend(drive, known, cached));
       }
       cached.records = drive.records;
     }
     // If a drive of a robot that has begun another one goes on nevertheless, it is mapped from its start again.
-    if (!site_.newest_of_robots.contains(drive.stored.back()->id)) cached.growing.reset();
+    if (!site_.newest_of_robots.contains(drive.stored.back()->id)) cached.chain.reset();
     return absl::OkStatus();
   }
 
@@ -193,10 +195,13 @@ class LevelMapper {
     cached = {};
     cached.before = mapped_before_;
     if (drive.by_scans && !drive.start) return absl::OkStatus();
-    const char* profile =
-        drive.environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor : slam::SlamProfiles::kIndoor;
-    cached.growing.emplace(options_.pairing, *options_.slam.Find(profile), ExistingMapOf(drive.start));
+    cached.chain.emplace(OptionsOf(drive), ExistingMapOf(drive.start));
     return absl::OkStatus();
+  }
+
+  const slam::SlamOptions& OptionsOf(const DriveToMap& drive) const {
+    return *options_.slam.Find(drive.environment == Environment::kOutdoor ? slam::SlamProfiles::kOutdoor
+                                                                          : slam::SlamProfiles::kIndoor);
   }
 
   // Where a drive begins, by where the graph or the drives before it have its first map.
@@ -214,7 +219,7 @@ class LevelMapper {
     DriveLocation location(options_.pairing, level_.grid);
     for (const storage::Session* session : drive.stored) {
       if (location.complete()) break;
-      ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(
+      ENFILADE_RETURN_IF_ERROR(reader_.sessions().ReadRecords(
           *session, drive.until, [&](sensor::Record record) { return location.Add(std::move(record)); }));
     }
     return location.Finish();
@@ -228,23 +233,14 @@ class LevelMapper {
 
   // The sessions from the `known`th on are new.
   absl::Status Extend(const DriveToMap& drive, std::size_t known, CachedDrive& cached) const {
-    const auto feed = [&](const GrowingDrive::Add& add) -> absl::Status {
-      for (std::size_t i = known; i < drive.stored.size(); ++i) {
-        const storage::Session& session = *drive.stored[i];
-        // Without odometry nothing else bridges the way from keyframe to keyframe.
-        const bool all = session.record_counts.odometry == 0;
-        std::set<std::int64_t> keyframes;
-        for (const survey::Visit& visit : drive.sessions[i].visits) keyframes.insert(visit.sequence);
-        ENFILADE_RETURN_IF_ERROR(reader_.ReadRecords(session, drive.until, [&](sensor::Record record) {
-          const bool is_keyframe = all || keyframes.contains(record.sequence);
-          add(std::move(record), is_keyframe);
-          return absl::OkStatus();
-        }));
-      }
-      return absl::OkStatus();
-    };
-    ENFILADE_ASSIGN_OR_RETURN(MappedDrive mapped, cached.growing->Extend(feed));
-    cached.mapped = PackedDrive(std::move(mapped));
+    ChainedSessions sessions(reader_.sessions(), options_.pairing, OptionsOf(drive),
+                             std::span(drive.stored).subspan(known), drive.until);
+    while (!sessions.done()) {
+      ENFILADE_RETURN_IF_ERROR(sessions.AppendNext(*cached.chain));
+      const auto end = drive.stored.begin() + static_cast<std::ptrdiff_t>(known + sessions.appended());
+      cached.chained = KeyOf({drive.stored.begin(), end}, drive.environment);
+    }
+    cached.mapped = PackedDrive(cached.chain->Finish());
     return absl::OkStatus();
   }
 

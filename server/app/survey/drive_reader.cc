@@ -2,17 +2,11 @@
 #include "server/app/survey/drive_reader.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cstdint>
-#include <utility>
 
 #include "core/base/status_macros.h"
 
 namespace enfilade::server {
 namespace {
-
-constexpr auto kSurveyTimeout = std::chrono::seconds(60);
-constexpr std::int64_t kPortionBytes = 1 << 20;
 
 const sensor::DoorReport* LastPassage(const std::vector<sensor::DoorReport>& reports) {
   const auto last = std::find_if(reports.rbegin(), reports.rend(), [](const sensor::DoorReport& report) {
@@ -22,8 +16,6 @@ const sensor::DoorReport* LastPassage(const std::vector<sensor::DoorReport>& rep
 }
 
 }  // namespace
-
-storage::CallContext SurveyContext() { return storage::CallContext::WithTimeout(kSurveyTimeout); }
 
 absl::StatusOr<survey::Drive> DriveReader::Read(const StoredDrive& stored) const {
   survey::Drive drive;
@@ -62,22 +54,6 @@ absl::StatusOr<std::optional<sensor::DoorReport>> DriveReader::FindPassage(const
 
 absl::StatusOr<std::optional<closure::DoorVerdict>> DriveReader::FindVerdict(const SessionId& session) const {
   return stores_.verdicts.FindPassage(SurveyContext(), site_, session);
-}
-
-absl::Status DriveReader::ReadRecords(const storage::Session& session, std::optional<TimeNs> until,
-                                      const std::function<absl::Status(sensor::Record)>& take) const {
-  for (std::int64_t next = 1; next <= session.acknowledged_sequence;) {
-    ENFILADE_RETURN_IF_ERROR(proceed_());
-    ENFILADE_ASSIGN_OR_RETURN(std::vector<sensor::Record> records,
-                              stores_.records.Read(SurveyContext(), site_, session.id, next, kPortionBytes));
-    if (records.empty()) break;
-    next = records.back().sequence + 1;
-    for (sensor::Record& record : records) {
-      if (until && sensor::TimeOf(record) > *until) continue;
-      ENFILADE_RETURN_IF_ERROR(take(std::move(record)));
-    }
-  }
-  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<sensor::DoorReport>> DriveReader::ReadReports(const SessionId& session) const {

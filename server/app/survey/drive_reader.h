@@ -8,12 +8,11 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/ids.h"
-#include "core/base/time.h"
 #include "core/closure/door_verdict.h"
 #include "core/sensor/record.h"
 #include "core/survey/level_survey.h"
+#include "server/app/survey/session_reader.h"
 #include "server/app/survey/stored_drives.h"
-#include "storage/call_context.h"
 #include "storage/graph/door_verdict_store.h"
 #include "storage/graph/plan_join_store.h"
 #include "storage/maps/map_store.h"
@@ -32,15 +31,12 @@ struct SurveyStores {
   const storage::PlanJoinStore& plan_joins;
 };
 
-// For one call of a store.
-storage::CallContext SurveyContext();
-
 // What is stored of a site's drives. The stores and `proceed` must outlive it.
 class DriveReader {
  public:
-  // `proceed` is asked between portions of records; its error ends the reading.
+  // `proceed`: see SessionReader.
   DriveReader(const SurveyStores& stores, const SiteId& site, const std::function<absl::Status()>& proceed)
-      : stores_(stores), site_(site), proceed_(proceed) {}
+      : stores_(stores), site_(site), sessions_(stores.records, stores.mappings, site_, proceed) {}
 
   // Visits have no pose on the level yet. Empty if a person divided the drive by commands.
   absl::StatusOr<survey::Drive> Read(const StoredDrive& stored) const;
@@ -53,16 +49,14 @@ class DriveReader {
   // What the server made of that report. Unset as long as it is not judged.
   absl::StatusOr<std::optional<closure::DoorVerdict>> FindVerdict(const SessionId& session) const;
 
-  // In the order of the log, those of after `until` left out. An error of `take` ends it.
-  absl::Status ReadRecords(const storage::Session& session, std::optional<TimeNs> until,
-                           const std::function<absl::Status(sensor::Record)>& take) const;
+  const SessionReader& sessions() const { return sessions_; }
 
  private:
   absl::StatusOr<std::vector<sensor::DoorReport>> ReadReports(const SessionId& session) const;
 
   const SurveyStores& stores_;
   const SiteId& site_;
-  const std::function<absl::Status()>& proceed_;
+  const SessionReader sessions_;
 };
 
 }  // namespace enfilade::server

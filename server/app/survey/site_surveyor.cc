@@ -19,13 +19,14 @@
 namespace enfilade::server {
 namespace {
 
-constexpr auto kPoll = std::chrono::milliseconds(500);
+// What other replicas have mapped and judged does not wake this process.
+constexpr auto kIdlePoll = std::chrono::seconds(2);
+// Sites become due without further notice.
+constexpr auto kWaitingPoll = std::chrono::milliseconds(500);
 constexpr auto kSurveyStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
-constexpr int kSitesAtOnce = 32;
 // A session with several rooms is cut once a survey.
 constexpr int kSurveysInARow = 50;
-constexpr auto kRetry = std::chrono::seconds(2);
 constexpr int kUsualFailures = 10;
 
 storage::CallContext SurveyorContext() {
@@ -63,9 +64,9 @@ std::vector<rooms::PassageHint> PassagesOf(const survey::LevelSurvey& level) {
 
 }  // namespace
 
-SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, const SurveyLoad& load,
-                           const SurveyMappingOptions& mapping, const Stores& stores, SiteGraphs& graphs,
-                           const Rearranger& rearranger, WakeSignal& wake)
+SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, const SurveyScheduleOptions& schedule,
+                           const SurveyLoad& load, const SurveyMappingOptions& mapping, const Stores& stores,
+                           SiteGraphs& graphs, const Rearranger& rearranger, WakeSignal& wake)
     : options_(options),
       share_(load.share),
       mapping_(mapping),
@@ -74,7 +75,8 @@ SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, const SurveyLoa
       rearranger_(rearranger),
       wake_(wake),
       owner_(NewUuid() + "/survey"),
-      caches_(static_cast<std::size_t>(load.cache_bytes)) {
+      caches_(static_cast<std::size_t>(load.cache_bytes)),
+      schedule_(schedule) {
   worker_ = std::thread([this] { Run(); });
 }
 
@@ -91,51 +93,48 @@ void SiteSurveyor::Stop() {
 void SiteSurveyor::Run() {
   SetThreadNiceness(kBackgroundNiceness);
   while (!stop_.is_set()) {
-    if (!SurveyPending()) wake_.WaitFor(kPoll);
+    const Found found = SurveyPending();
+    if (found != Found::kDue) wake_.WaitFor(found == Found::kWaiting ? kWaitingPoll : kIdlePoll);
   }
 }
 
-bool SiteSurveyor::SurveyPending() {
-  const auto pending = stores_.surveys.FindPending(SurveyorContext(), kSitesAtOnce);
-  if (!pending.ok()) return false;  // readiness reports an unreachable database
+SiteSurveyor::Found SiteSurveyor::SurveyPending() {
+  const auto pending = stores_.surveys.FindPending(SurveyorContext());
+  if (!pending.ok()) return Found::kNothing;  // readiness reports an unreachable database
   const Clock::time_point begin = Clock::now();
-  const auto site = std::find_if(pending->begin(), pending->end(), [&](const SiteId& one) {
-    const auto failing = failing_.find(one);
-    return failing == failing_.end() || failing->second.retry <= begin;
-  });
-  if (site == pending->end()) return false;
-  const absl::Status status = Survey(*site);
+  const auto due = std::find_if(pending->begin(), pending->end(),
+                                [&](const storage::PendingSurvey& one) { return schedule_.IsDue(one, begin); });
+  if (due == pending->end()) return pending->empty() ? Found::kNothing : Found::kWaiting;
+  const absl::StatusOr<std::size_t> sessions = Survey(due->site);
   caches_.Trim();
   // A survey works with large grids. Freed, they would stay with this thread's part of the heap.
   malloc_trim(0);
-  if (status.ok()) {
-    failing_.erase(*site);
+  if (sessions.ok()) {
+    schedule_.CountSurvey(due->site, *sessions, begin);
   } else if (!stop_.is_set()) {
-    CountFailure(*site, status);
+    CountFailure(due->site, sessions.status());
   }
   stop_.WaitFor(std::chrono::duration_cast<Clock::duration>((Clock::now() - begin) * ((1.0 - share_) / share_)));
-  return true;
+  return Found::kDue;
 }
 
 void SiteSurveyor::CountFailure(const SiteId& site, const absl::Status& status) {
-  Failing& failing = failing_[site];
-  failing.retry = Clock::now() + kRetry;
+  const int failures = schedule_.CountFailure(site, Clock::now());
   // That robots have changed the graph meanwhile is usual, unless it goes on.
-  const bool usual =
-      (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && ++failing.times % kUsualFailures != 0;
+  const bool usual = (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && failures % kUsualFailures != 0;
   spdlog::log(usual ? spdlog::level::debug : spdlog::level::warn, "the survey of site {}: {}; will retry", site.value(),
               status.ToString());
 }
 
-absl::Status SiteSurveyor::Survey(const SiteId& site) {
+absl::StatusOr<std::size_t> SiteSurveyor::Survey(const SiteId& site) {
   for (int i = 0; i < kSurveysInARow; ++i) {
-    ENFILADE_ASSIGN_OR_RETURN(const bool settled, SurveyOnce(site));
-    if (settled) return absl::OkStatus();
+    ENFILADE_ASSIGN_OR_RETURN(const std::optional<std::size_t> sessions, SurveyOnce(site));
+    if (sessions) return *sessions;
   }
   return Internal("after {} surveys the maps still change", kSurveysInARow);
 }
 
-absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
+absl::StatusOr<std::optional<std::size_t>> SiteSurveyor::SurveyOnce(const SiteId& site) {
   const Clock::time_point begin = Clock::now();
   ENFILADE_ASSIGN_OR_RETURN(auto graph, graphs_.Get(SurveyorContext(), site));
   SiteCache& cache = caches_.Get(site);
@@ -158,7 +157,7 @@ absl::StatusOr<bool> SiteSurveyor::SurveyOnce(const SiteId& site) {
   const std::chrono::duration<double> took = Clock::now() - begin;
   spdlog::info("site {} surveyed: {} sessions on {} levels in {:.1f} s", site.value(), survey.sessions.size(),
                survey.levels.size(), took.count());
-  return !changed;
+  return changed ? std::nullopt : std::optional(survey.sessions.size());
 }
 
 absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const SiteSurvey& survey, SiteCache& cache) {

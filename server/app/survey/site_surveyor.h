@@ -2,8 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <map>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -16,6 +17,7 @@
 #include "server/app/runtime/wake_signal.h"
 #include "server/app/survey/drive_mapping.h"
 #include "server/app/survey/site_cache.h"
+#include "server/app/survey/survey_schedule.h"
 #include "storage/graph/site_lease_store.h"
 #include "storage/graph/survey_store.h"
 
@@ -38,8 +40,9 @@ class SiteSurveyor {
   };
 
   // `wake` wakes it when a session may have been mapped or judged.
-  SiteSurveyor(const survey::SurveyOptions& options, const SurveyLoad& load, const SurveyMappingOptions& mapping,
-               const Stores& stores, SiteGraphs& graphs, const Rearranger& rearranger, WakeSignal& wake);
+  SiteSurveyor(const survey::SurveyOptions& options, const SurveyScheduleOptions& schedule, const SurveyLoad& load,
+               const SurveyMappingOptions& mapping, const Stores& stores, SiteGraphs& graphs,
+               const Rearranger& rearranger, WakeSignal& wake);
   ~SiteSurveyor();
   SiteSurveyor(const SiteSurveyor&) = delete;
   SiteSurveyor& operator=(const SiteSurveyor&) = delete;
@@ -51,13 +54,14 @@ class SiteSurveyor {
   using Clock = std::chrono::steady_clock;
 
   void Run();
-  // The site that has waited longest. False if there was nothing to do.
-  bool SurveyPending();
+  enum class Found { kNothing, kWaiting, kDue };
+  // Surveys the site that has waited longest, of those that are due.
+  Found SurveyPending();
   void CountFailure(const SiteId& site, const absl::Status& status);
-  // Until nothing more changes.
-  absl::Status Survey(const SiteId& site);
-  // False if maps were rearranged: survey again.
-  absl::StatusOr<bool> SurveyOnce(const SiteId& site);
+  // Until nothing more changes. Returns how many sessions it has seen.
+  absl::StatusOr<std::size_t> Survey(const SiteId& site);
+  // Unset if maps were rearranged: survey again.
+  absl::StatusOr<std::optional<std::size_t>> SurveyOnce(const SiteId& site);
   // True if something has changed.
   absl::StatusOr<bool> Apply(const storage::SiteLease& lease, const SiteSurvey& survey, SiteCache& cache);
 
@@ -70,12 +74,8 @@ class SiteSurveyor {
   WakeSignal& wake_;
   const std::string owner_;
   StopSignal stop_;
-  SiteCaches caches_;  // the worker's only
-  struct Failing {
-    Clock::time_point retry;  // not again before
-    int times = 0;            // in a row
-  };
-  std::map<SiteId, Failing> failing_;  // the worker's only
+  SiteCaches caches_;        // the worker's only
+  SurveySchedule schedule_;  // the worker's only
   std::thread worker_;
 };
 

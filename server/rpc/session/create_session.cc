@@ -71,6 +71,8 @@ absl::StatusOr<v1::CreateSessionResponse> CreateSession(const Services& services
   ENFILADE_ASSIGN_OR_RETURN(const storage::RequestId request_id, RequestIdOf(request));
   ENFILADE_ASSIGN_OR_RETURN(const storage::Session created,
                             services.sessions.Create(call.context(), session, request_id));
+  // The door through which the robot has come may be judged already.
+  if (created.entry.previous && !created.map) services.doors_wake.Wake();
   *response.mutable_session() = ToProto(created);
   return response;
 }

@@ -10,11 +10,23 @@
 namespace enfilade::storage::postgres {
 namespace {
 
+// A robot begins its next session within this time, s.
+constexpr double kBetweenSessions = 1.0;
+
 // Reads over all sites, as session_leases.cc does. The work it finds is then done within its site.
 constexpr Statement kFindSurveys{
     "looking for sites to survey",
-    "SELECT site_id FROM enfilade.sessions WHERE map_id IS NOT NULL AND state = 3 AND NOT surveyed"
-    " AND (door_reports = 0 OR doors_judged) GROUP BY site_id ORDER BY min(finish_time), site_id LIMIT $1"};
+    "SELECT site_id, count(*), bool_or("
+    "  NOT EXISTS (SELECT FROM enfilade.sessions u WHERE u.site_id = s.site_id AND u.map_id IS NOT NULL"
+    "   AND u.state IN (1, 2) AND u.robot_id IS NOT DISTINCT FROM s.robot_id AND u.delete_time IS NULL)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.sessions u WHERE u.site_id = s.site_id AND u.map_id IS NULL"
+    "   AND u.previous_session_id IS NOT NULL AND u.state IN (1, 2) AND u.robot_id IS NOT DISTINCT FROM s.robot_id"
+    "   AND u.delete_time IS NULL)"
+    "  AND NOT EXISTS (SELECT FROM enfilade.sessions u WHERE u.site_id = s.site_id"
+    "   AND u.finish_time > now() - $1 * interval '1 s' AND u.robot_id IS NOT DISTINCT FROM s.robot_id"
+    "   AND u.delete_time IS NULL))"
+    " FROM enfilade.sessions s WHERE map_id IS NOT NULL AND state = 3 AND NOT surveyed"
+    " AND (door_reports = 0 OR doors_judged) GROUP BY site_id ORDER BY min(finish_time), site_id"};
 constexpr Statement kMarkSurveyed{
     "marking sessions as surveyed",
     "WITH lease AS (SELECT FROM enfilade.site_leases WHERE site_id = $1 AND token = $3 FOR SHARE),"
@@ -24,9 +36,14 @@ constexpr Statement kMarkSurveyed{
 
 }  // namespace
 
-absl::StatusOr<std::vector<SiteId>> SurveyStore::FindPending(const CallContext& context, int limit) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, ExecuteAlone(pool_, context, kFindSurveys, Params(std::int64_t{limit})));
-  return ReadRows(found, [](Row& row) { return SiteId(std::string(row.Text())); });
+absl::StatusOr<std::vector<PendingSurvey>> SurveyStore::FindPending(const CallContext& context) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto found, ExecuteAlone(pool_, context, kFindSurveys, Params(kBetweenSessions)));
+  return ReadRows(found, [](Row& row) {
+    PendingSurvey pending{.site = SiteId(std::string(row.Text()))};
+    pending.sessions = row.Int64();
+    pending.drive_ended = row.Bool();
+    return pending;
+  });
 }
 
 absl::Status SurveyStore::MarkSurveyed(const CallContext& context, const SiteLease& lease,

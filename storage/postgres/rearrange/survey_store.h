@@ -12,7 +12,7 @@ class SurveyStore : public storage::SurveyStore {
  public:
   explicit SurveyStore(Pool& pool) : pool_(pool) {}
 
-  absl::StatusOr<std::vector<SiteId>> FindPending(const CallContext& context, int limit) const override;
+  absl::StatusOr<std::vector<PendingSurvey>> FindPending(const CallContext& context) const override;
   absl::Status MarkSurveyed(const CallContext& context, const SiteLease& lease,
                             const std::vector<SessionId>& sessions) const override;
 

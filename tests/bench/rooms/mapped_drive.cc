@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -15,6 +16,8 @@
 #include "core/doors/door_detector.h"
 #include "core/sensor/record.h"
 #include "core/slam/mapper/log_mapper.h"
+#include "core/slam/mapper/mapper.h"
+#include "core/slam/mapper/session_chain.h"
 #include "fmt/format.h"
 
 namespace enfilade::bench {
@@ -55,15 +58,56 @@ const slam::StampedPose& PoseAt(const Mapping& mapping, TimeNs time) {
   return found == mapping.trajectory.end() ? mapping.trajectory.back() : *found;
 }
 
-Mapping MapRecords(std::vector<simulator::SimulatedRecord> records) {
-  const std::vector<Passage> passages = DetectPassages(records);
+Mapping MapAsOne(std::vector<simulator::SimulatedRecord> records) {
   slam::LogMapper mapper(sensor::ScanPairingOptions{}, slam::SlamOptions{});
   std::int64_t sequence = 0;
   for (simulator::SimulatedRecord& record : records) mapper.Add({++sequence, std::move(record.payload)});
   mapper.Finish();
   slam::SlamMap map;
   map.Apply(mapper.TakeDelta());
-  Mapping mapping{mapper.RenderGrid(), slam::TrajectoryOf(map), {}};
+  return {mapper.RenderGrid(), slam::TrajectoryOf(map), {}};
+}
+
+// The scans up to time `end`, from record `next` on, as a session of their own.
+slam::ChainedSession MapSession(std::vector<simulator::SimulatedRecord>& records, TimeNs end, std::size_t& next) {
+  sensor::ScanPairing pairing(sensor::ScanPairingOptions{});
+  std::vector<sensor::PairedScan> scans;
+  for (; next < records.size(); ++next) {
+    const auto* scan = std::get_if<sensor::LaserScan>(&records[next].payload);
+    if (scan != nullptr && scan->time > end) break;
+    pairing.Add(static_cast<std::int64_t>(next), std::move(records[next].payload), scans);
+  }
+  pairing.Flush(scans);
+  slam::Mapper mapper(slam::SlamOptions{});
+  slam::ChainedSession session;
+  for (const sensor::PairedScan& scan : scans) {
+    if (mapper.AddScan(scan).keyframe || &scan == &scans.back()) session.scans.push_back(scan);
+  }
+  mapper.Finish();
+  session.map.Apply(mapper.TakeDelta());
+  return session;
+}
+
+absl::StatusOr<Mapping> MapAsSessions(std::vector<simulator::SimulatedRecord> records,
+                                      const std::vector<Passage>& passages) {
+  slam::SessionChain chain(slam::SlamOptions{}, std::nullopt);
+  std::size_t next = 0;
+  for (const Passage& passage : passages) {
+    ENFILADE_RETURN_IF_ERROR(chain.Append(MapSession(records, passage.time, next)));
+  }
+  ENFILADE_RETURN_IF_ERROR(chain.Append(MapSession(records, std::numeric_limits<TimeNs>::max(), next)));
+  slam::ChainedMap map = chain.Finish();
+  return Mapping{std::move(map.grid), std::move(map.trajectory), {}};
+}
+
+absl::StatusOr<Mapping> MapRecords(std::vector<simulator::SimulatedRecord> records, bool sessions) {
+  const std::vector<Passage> passages = DetectPassages(records);
+  Mapping mapping;
+  if (sessions) {
+    ENFILADE_ASSIGN_OR_RETURN(mapping, MapAsSessions(std::move(records), passages));
+  } else {
+    mapping = MapAsOne(std::move(records));
+  }
   constexpr double kUsualDoor = 1.0;  // m
   for (const Passage& passage : passages) {
     const Pose2 T_map_door = PoseAt(mapping, passage.time).T_map_robot * passage.T_robot_door;
@@ -136,10 +180,10 @@ absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, const MappedDriv
   ENFILADE_ASSIGN_OR_RETURN(simulator::Drive drive, simulator::SimulateDrive(world, robot.id, simulation));
   Mapping mapping;
   const std::filesystem::path file =
-      options.cache / fmt::format("{}-{}-{}.drive", std::filesystem::path(campus).filename().string(), options.seed,
-                                  options.laps.value_or(robot.laps));
+      options.cache / fmt::format("{}-{}-{}{}.drive", std::filesystem::path(campus).filename().string(), options.seed,
+                                  options.laps.value_or(robot.laps), options.sessions ? "-sessions" : "");
   if (options.cache.empty() || !Recall(file, mapping)) {
-    mapping = MapRecords(std::move(drive.records));
+    ENFILADE_ASSIGN_OR_RETURN(mapping, MapRecords(std::move(drive.records), options.sessions));
     if (!options.cache.empty()) Keep(mapping, file);
   }
   mapped.grid = std::move(mapping.grid);

@@ -31,6 +31,8 @@ struct MappedDrive {
 struct MappedDriveOptions {
   std::uint64_t seed = 1;
   std::optional<int> laps = {};
+  // Each way from a reported passage to the next is mapped as a session, and the sessions are joined, as surveys do it.
+  bool sessions = false;
   // What is mapped is kept here, and read from here if it is; nothing is kept if it is empty.
   std::filesystem::path cache = {};
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rooms of floor plans with ground truth, and of simulated drives mapped by SLAM, as JSON on standard output:
 //   bench_rooms [--plans DIR] [--coloured FILE]... [--buildings N] [--first-seed S] [--campus NAME]... [--laps N]
-//     [--reports] [--list] [--plots DIR] [--candidates FILE] [--lines FILE]
+//     [--reports] [--sessions] [--list] [--plots DIR] [--candidates FILE] [--lines FILE]
 // --plans is a folder with NAME.png, NAME_furnitures.png and NAME_gt_segmentation.png; --coloured are robots' maps
 // whose rooms people have coloured (true_plans.h). --candidates writes what is known about each narrow place
 // and whether it is a door in truth: fit_door_trees fits the odds of core/rooms to it.
@@ -41,6 +41,7 @@ struct RoomsBenchOptions {
   std::vector<std::string> campuses;
   std::optional<int> laps;
   bool reports = false;
+  bool sessions = false;
   std::string cache;
   std::string plots;
   std::string candidates;
@@ -119,7 +120,7 @@ class RoomsBench {
     nlohmann::json list = nlohmann::json::array();
     for (const std::string& campus : campuses) {
       ENFILADE_ASSIGN_OR_RETURN(const MappedDrive mapped,
-                                MapDrive(campus, {SeedOf(campus), options_.laps, options_.cache}));
+                                MapDrive(campus, {SeedOf(campus), options_.laps, options_.sessions, options_.cache}));
       std::vector<Eigen::Vector2d> trajectory;
       for (const testing::DrivePoint& point : mapped.drive) trajectory.push_back(point.p_map);
       std::vector<rooms::PassageHint> reported;
@@ -280,6 +281,8 @@ int main(int argc, char** argv) {
   app.add_option("--campus", options.campuses, "A shipped campus, random:SEED, or a file (YAML, NAME.building.yaml)");
   app.add_option("--laps", options.laps, "Of each drive, instead of the campus's");
   app.add_flag("--reports", options.reports, "With the passages that the robot's door detector reports");
+  app.add_flag("--sessions", options.sessions,
+               "Map each way between two reports on its own, and join them as surveys do");
   app.add_option("--cache", options.cache, "Keep the maps of the drives in this folder");
   app.add_option("--plots", options.plots, "Write a PNG of each map into this folder");
   app.add_option("--candidates", options.candidates, "Write the candidates and their truth as CSV");

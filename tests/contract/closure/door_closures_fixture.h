@@ -45,7 +45,8 @@ class Workers {
     closures_.emplace(options_,
                       server::DoorClosureStores{sessions_, records_, mappings_, blobs_, features_, maps_, link_points_,
                                                 verdicts_, leases_},
-                      graphs_, wake_, [this] { mapping_->Wake(); });
+                      graphs_, wake_,
+                      server::DoorClosures::Listeners{.entered = [this] { mapping_->Wake(); }, .judged = [] {}});
   }
 
   server::SiteGraphs& graphs() { return graphs_; }

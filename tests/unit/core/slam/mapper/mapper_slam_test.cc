@@ -8,43 +8,18 @@
 #include "core/slam/mapper/mapper.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
+#include "tests/unit/core/slam/ring_of_corridors.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
 
 namespace enfilade::slam {
 namespace {
 
 using testing::Drive;
+using testing::kPoorOdometry;
 using testing::PoseNear;
+using testing::RingOfCorridors;
+using testing::TwoRounds;
 using testing::Wall;
-
-constexpr testing::SyntheticOdometry kPoorOdometry{0.05, 0.06};
-
-// Corridors around a block, with niches that tell one place from another. 30 m x 18 m.
-std::vector<Wall> RingOfCorridors() {
-  return testing::WallsFromText({"##############################",  //
-                                 "#    #       ##       #      #",  //
-                                 "#                            #",  //
-                                 "#   ###################      #",  //
-                                 "#   #                 #     ##",  //
-                                 "##  #                 ##     #",  //
-                                 "#   #                 #      #",  //
-                                 "#   ##                #      #",  //
-                                 "#   #                 #   ####",  //
-                                 "#   #                 #      #",  //
-                                 "##  #                 #      #",  //
-                                 "##  #                 #      #",  //
-                                 "#   #                 ##     #",  //
-                                 "#   ###################      #",  //
-                                 "#                         #  #",  //
-                                 "#                            #",  //
-                                 "#    #      ##      #        #",  //
-                                 "##############################"},
-                                1.0);
-}
-
-std::vector<Pose2> TwoRounds() {
-  return Drive({{2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}, {2.5, 15.5}, {2.5, 2.5}, {24.5, 2.5}, {24.5, 15.5}}, 0.25);
-}
 
 struct MappedDrive {
   SlamMap map;

@@ -38,7 +38,7 @@ TEST(DriveCache, KeepsDrivesUntilASurveyDoesNotAskForThem) {
 }
 
 TEST(DriveCache, GivesAMappedDriveBackAsItWas) {
-  MappedDrive mapped;
+  slam::ChainedMap mapped;
   mapped.grid.geometry = {.resolution = 0.1, .T_map_grid = {1.0, 2.0, 0.5}, .width = 200, .height = 100};
   mapped.grid.cells.assign(mapped.grid.geometry.cell_count(), grid::kUnknownCell);
   for (std::size_t i = 0; i < mapped.grid.cells.size(); i += 37) mapped.grid.cells[i] = static_cast<std::uint8_t>(i);

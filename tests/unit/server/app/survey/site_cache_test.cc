@@ -28,7 +28,7 @@ TEST(RoomCache, FindsRoomsAgainWhenTheLevelHasChanged) {
 
 // Bytes.
 PackedDrive DriveOfAtLeast(std::size_t size) {
-  MappedDrive drive;
+  slam::ChainedMap drive;
   drive.trajectory.resize(size / sizeof(slam::StampedPose) + 1);
   return PackedDrive(std::move(drive));
 }
