@@ -96,7 +96,8 @@ struct DoorKnowledge {
   std::optional<DoorByOdometry> by_odometry = {};       // of a passage without these poses
   bool has_views = false;                               // images or clouds were recorded near the door (of a candidate)
   std::vector<Eigen::Vector2d> points_behind_door = {};  // of scans, in the frame of T_map_robot, m
-  // Candidates that the database refused to promote: another link point joins the two maps at that place already.
+  // Link points that the database refused to promote, or to join to the session's map: another link point joins the
+  // same maps at that place already.
   std::set<LinkPointId> redundant = {};
   double waited = 0.0;              // s, for maps that are being mapped
   LinkPointId new_link_point = {};  // ids for what the action makes

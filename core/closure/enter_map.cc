@@ -74,7 +74,7 @@ DoorJudgement EnterKnownMap(const DoorKnowledge& knowledge, const Destination& t
     if (is_door && to.link_point->is_candidate()) used_up.push_back(to.link_point->id);
     judgement = {.action = RecogniseLinkPoint{other->id, Entered(to)},
                  .reason = to.reason + "; a link point joins the maps at that place already"};
-  } else if (!is_door) {
+  } else if (!is_door || (!to.link_point->is_candidate() && knowledge.redundant.contains(to.link_point->id))) {
     judgement = Link(knowledge, to, joined);
   } else if (to.link_point->is_candidate()) {
     judgement = Promote(knowledge, to, joined);

@@ -12,7 +12,8 @@ namespace {
 
 using graph::GraphSnapshot;
 
-// Can the place be where a passage led: is it on the entered level of another map, in use, and not refused before?
+// Can the place be where a passage led: is it on the entered level of another map, in use, and no candidate that was
+// refused before?
 bool MayBeEntered(const DoorKnowledge& knowledge, const graph::LinkPoint& link_point) {
   if (link_point.use == graph::LinkPointUse::kSuspended) return false;
   if (link_point.is_candidate()) return !knowledge.redundant.contains(link_point.id);

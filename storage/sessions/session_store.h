@@ -65,6 +65,7 @@ struct Session {
   std::optional<TimeNs> last_time;
   std::string error;
   bool records_deleted = false;  // by the site's retention
+  bool doors_judged = false;     // all door reports; see DoorVerdictStore
   bool surveyed = false;         // see SurveyStore
   TimeNs create_time = 0;
   std::optional<TimeNs> finish_time;

@@ -41,7 +41,7 @@ absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& store
 std::set<SessionId> NewestOfRobots(const std::vector<storage::Session>& sessions) {
   std::map<RobotId, SessionId> newest;
   for (const storage::Session& session : sessions) {
-    if (IsMapped(session)) newest.insert_or_assign(session.robot, session.id);
+    if (IsSettled(session)) newest.insert_or_assign(session.robot, session.id);
   }
   std::set<SessionId> ids;
   for (const auto& [robot, session] : newest) ids.insert(session);
@@ -366,8 +366,9 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
   ENFILADE_ASSIGN_OR_RETURN(const auto maps, ListMaps(stores, site));
   std::set<int> levels;
   for (const storage::Session& session : sessions) {
-    if (session.map && session.state == storage::SessionState::kMapped) survey.sessions.push_back(session.id);
-    if (IsMapped(session) && maps.contains(*session.map)) levels.insert(maps.at(*session.map).level);
+    if (!IsSettled(session)) continue;
+    survey.sessions.push_back(session.id);
+    if (const auto map = maps.find(*session.map); map != maps.end()) levels.insert(map->second.level);
   }
   const DriveReader reader(stores, site, run.proceed);
   SiteDrives drives;

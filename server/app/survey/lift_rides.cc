@@ -10,7 +10,7 @@ namespace enfilade::server {
 namespace {
 
 const storage::Map* MapOf(const storage::Session& session, const std::map<MapId, storage::Map>& maps) {
-  if (!IsMapped(session)) return nullptr;
+  if (!IsSettled(session)) return nullptr;
   const auto map = maps.find(*session.map);
   return map == maps.end() ? nullptr : &map->second;
 }

@@ -30,21 +30,26 @@ std::vector<std::string> KeysOf(const StoredDrive& drive, Environment environmen
   return keys;
 }
 
+bool AreDoorsJudged(const storage::Session& session) {
+  return session.doors_judged || session.record_counts.door_reports == 0;
+}
+
 }  // namespace
 
-bool IsMapped(const storage::Session& session) {
-  return session.map && session.state == storage::SessionState::kMapped;
+bool IsSettled(const storage::Session& session) {
+  return session.map && session.state == storage::SessionState::kMapped && AreDoorsJudged(session);
 }
 
 bool IsUnderWay(const storage::Session& session) {
-  return session.state == storage::SessionState::kRecording || session.state == storage::SessionState::kFinished;
+  return session.state == storage::SessionState::kRecording || session.state == storage::SessionState::kFinished ||
+         !AreDoorsJudged(session);
 }
 
 std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps) {
   std::map<SessionId, const storage::Session*> here;
   for (const storage::Session& session : sessions) {
-    if (!IsMapped(session) || session.records_deleted) continue;
+    if (!IsSettled(session) || session.records_deleted) continue;
     const auto map = maps.find(*session.map);
     if (map != maps.end() && map->second.level == level) here.emplace(session.id, &session);
   }

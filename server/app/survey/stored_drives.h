@@ -16,13 +16,14 @@ namespace enfilade::server {
 // The sessions of one robot that follow each other through doors, in order.
 using StoredDrive = std::vector<const storage::Session*>;
 
-// It is in a map, and all its records are mapped.
-bool IsMapped(const storage::Session& session);
+// It is in a map, all its records are mapped, and its doors are judged. Cut before that, what lies behind a door that
+// it was left by would count as its side of the door when that is judged.
+bool IsSettled(const storage::Session& session);
 
-// Its robot is recording, or not all of its records are mapped yet.
+// Its robot is recording, or it waits for being mapped and judged.
 bool IsUnderWay(const storage::Session& session);
 
-// The drives of one level, as far as they are mapped and retention has kept their records, in the order of their first
+// The drives of one level, as far as they are settled and retention has kept their records, in the order of their first
 // sessions in `sessions`. The pieces of a session that was cut are one drive, however old they are. Of two sessions
 // that follow the same one, the first continues its drive and the other begins one.
 std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,

@@ -58,6 +58,7 @@ Session ReadSession(Row& row) {
   session.last_time = row.OptionalInt64();
   session.error = row.Text();
   session.records_deleted = row.Bool();
+  session.doors_judged = row.Bool();
   session.surveyed = row.Bool();
   session.create_time = row.Time();
   session.finish_time = row.OptionalTime();

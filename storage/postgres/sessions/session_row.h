@@ -13,15 +13,16 @@
 namespace enfilade::storage::postgres {
 
 // The columns that ReadSession reads, of sessions `s` with their checkpoint `c`.
-#define ENFILADE_SESSION_COLUMNS                                                                                \
-  "s.site_id, s.session_id, s.robot_id, s.map_id, s.state, s.acknowledged_sequence, s.highest_sequence,"        \
-  " coalesce(c.mapped_sequence, 0), s.laser_scans, s.odometry, s.images, s.point_clouds, s.withheld,"           \
-  " s.door_reports,"                                                                                            \
-  " coalesce(c.paired, 0), coalesce(c.unpaired, 0), coalesce(c.time_reversed, 0), coalesce(c.used, 0),"         \
-  " coalesce(c.keyframes, 0), coalesce(c.lost, 0), s.payload_bytes, s.first_time_ns, s.last_time_ns,"           \
-  " coalesce(s.error, ''), s.records_deleted, s.surveyed, s.create_time, s.finish_time, s.previous_session_id," \
-  " s.initial_x, s.initial_y, s.initial_yaw, coalesce(s.initial_covariance, '{}'), s.initial_odom_x, "          \
-  "s.initial_odom_y,"                                                                                           \
+#define ENFILADE_SESSION_COLUMNS                                                                            \
+  "s.site_id, s.session_id, s.robot_id, s.map_id, s.state, s.acknowledged_sequence, s.highest_sequence,"    \
+  " coalesce(c.mapped_sequence, 0), s.laser_scans, s.odometry, s.images, s.point_clouds, s.withheld,"       \
+  " s.door_reports,"                                                                                        \
+  " coalesce(c.paired, 0), coalesce(c.unpaired, 0), coalesce(c.time_reversed, 0), coalesce(c.used, 0),"     \
+  " coalesce(c.keyframes, 0), coalesce(c.lost, 0), s.payload_bytes, s.first_time_ns, s.last_time_ns,"       \
+  " coalesce(s.error, ''), s.records_deleted, s.doors_judged, s.surveyed, s.create_time, s.finish_time,"    \
+  " s.previous_session_id, s.initial_x, s.initial_y, s.initial_yaw, coalesce(s.initial_covariance, '{}'), " \
+  "s.initial_odom_x, "                                                                                      \
+  "s.initial_odom_y,"                                                                                       \
   " s.initial_odom_yaw"
 #define ENFILADE_SESSION_TABLES \
   "enfilade.sessions s LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)"

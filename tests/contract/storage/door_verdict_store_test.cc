@@ -290,7 +290,9 @@ TEST_F(DoorVerdictStoreTest, ASessionMadeAfterTheVerdictGetsItsMapLater) {
   MarkMapped();
   const storage::SiteLease lease = Lease();
   ASSERT_OK(verdicts_.Commit(Soon(), lease, Through()));
+  EXPECT_FALSE(sessions_.Get(Soon(), site_, first_)->doors_judged);
   ASSERT_OK(verdicts_.MarkJudged(Soon(), lease, first_));
+  EXPECT_TRUE(sessions_.Get(Soon(), site_, first_)->doors_judged);
   EXPECT_THAT(*verdicts_.FindPending(Soon(), 10), IsEmpty());
   storage::Session late = MakeSession(site_, SessionId("s3"), robot_, std::nullopt);
   late.entry.previous = first_;

@@ -306,6 +306,17 @@ TEST(DecidePlaces, ACandidateThatTheDatabaseRefusedIsLeftOut) {
   EXPECT_TRUE(std::holds_alternative<StartMap>(run.judgement.action));
 }
 
+TEST(DecidePlaces, ALinkPointThatTheDatabaseRefusedToJoinGetsANeighbour) {
+  DoorScenario scenario;
+  scenario.Add("crossing", {{"room", {0.1, 0, 0}}, {"hall", {40, 0, 0}}});
+  scenario.Agree("crossing", "room", kRobotInRoom);
+  scenario.knowledge().redundant = {LinkPointId("crossing")};
+  const auto action = ActionOf<LinkKnownMaps>(scenario.Run().judgement);
+  EXPECT_EQ(action.link_point.direction, MapId("room"));
+  ASSERT_THAT(action.link_point.anchors, SizeIs(2));
+  EXPECT_EQ(action.link_point.anchors[0].map, MapId("here"));
+}
+
 TEST(DecidePlaces, OfTwoPlacesThatHaveTheRobotHereTheDoorItPassedIsTaken) {
   DoorScenario scenario;
   scenario.AddRoomCandidate("this-door");

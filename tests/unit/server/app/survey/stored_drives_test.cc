@@ -64,6 +64,16 @@ TEST(DrivesOn, EndsWhereASessionIsMissing) {
   EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "a|cd");
 }
 
+TEST(DrivesOn, EndsBeforeASessionWhoseDoorsAreNotJudged) {
+  std::vector<storage::Session> sessions{MappedSession("a", ""), MappedSession("b", "a")};
+  sessions[1].record_counts.door_reports = 1;
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "a");
+  EXPECT_TRUE(IsUnderWay(sessions[1]));
+  sessions[1].doors_judged = true;
+  EXPECT_EQ(Names(DrivesOn(0, sessions, Maps())), "ab");
+  EXPECT_FALSE(IsUnderWay(sessions[1]));
+}
+
 TEST(DrivesOn, IsOfOneLevel) {
   std::vector<storage::Session> sessions{MappedSession("a", ""), MappedSession("b", "a"), MappedSession("c", "b")};
   sessions[1].map = MapId("above");
