@@ -40,8 +40,6 @@ struct SurveyedSession {
   std::optional<Pose2> T_map_entry = {};  // where the robot entered the map, if that is known
   std::vector<Visit> visits = {};         // in the order of the log; may be empty
   std::optional<TimeNs> left = {};        // when the robot went through the door at the session's end, if it did
-  Pose2 T_level_left = {};                // where, facing through the door; only if `left` is set
-  double left_width = 0.0;                // m, of that door; 0: unknown
   std::optional<CabinEntry> cabin = {};   // if that door is a cabin's; `visits` end at it
 };
 

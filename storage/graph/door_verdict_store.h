@@ -41,6 +41,7 @@ struct StoredDoorReport {
   std::int64_t sequence = 0;
   sensor::DoorReport report;
   bool judged = false;
+  std::optional<Pose2> T_odom_robot;  // at report.time, as the verdict has it
 };
 
 // A map that starts at a door. Its display name is `name_prefix` and a free number, the one before which is taken.

@@ -13,6 +13,7 @@
 #include "fmt/format.h"
 #include "server/app/survey/chained_sessions.h"
 #include "server/app/survey/drive_location.h"
+#include "server/app/survey/drive_trajectory.h"
 #include "server/app/survey/lift_rides.h"
 #include "server/app/survey/stored_drives.h"
 #include "storage/sessions/all_sessions.h"
@@ -46,18 +47,6 @@ std::set<SessionId> NewestOfRobots(const std::vector<storage::Session>& sessions
   std::set<SessionId> ids;
   for (const auto& [robot, session] : newest) ids.insert(session);
   return ids;
-}
-
-bool IsBefore(const slam::StampedPose& pose, TimeNs time) { return pose.time < time; }
-
-// Between the scans before and after; `trajectory` by time, not empty.
-Pose2 PoseAt(const std::vector<slam::StampedPose>& trajectory, TimeNs time) {
-  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), time, IsBefore);
-  if (after == trajectory.begin()) return after->T_map_robot;
-  if (after == trajectory.end()) return trajectory.back().T_map_robot;
-  const auto before = std::prev(after);
-  return Interpolate(before->T_map_robot, after->T_map_robot,
-                     ToSeconds(time - before->time) / ToSeconds(after->time - before->time));
 }
 
 // What is known of all drives of the site.
@@ -113,7 +102,8 @@ class LevelMapper {
   // False: nothing says where the drive is.
   absl::StatusOr<bool> AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
     if (!IsDrivenByDoors(stored)) return true;
-    ENFILADE_ASSIGN_OR_RETURN(survey::Drive drive, reader_.Read(stored));
+    ENFILADE_ASSIGN_OR_RETURN(ReadDrive read, reader_.Read(stored));
+    survey::Drive& drive = read.sessions;
     const auto first = std::find_if(drive.begin(), drive.end(),
                                     [](const survey::SurveyedSession& session) { return !session.visits.empty(); });
     if (first == drive.end()) return true;
@@ -141,6 +131,10 @@ class LevelMapper {
     } else {
       ENFILADE_ASSIGN_OR_RETURN(level_.grid, grid::Overlay(level_.grid, mapped.grid));
     }
+    for (const slam::StampedPose& pose : mapped.trajectory) {
+      level_.trajectory.push_back(pose.T_map_robot.translation());
+    }
+    for (const ReportedDoor& door : read.doors) level_.passages.push_back(PassageAt(mapped.trajectory, door));
     PlaceVisits(mapped.trajectory, drive);
     double& factor = level_.survey.variance_factor;
     factor = level_.survey.drives.empty() ? mapped.variance_factor : std::max(factor, mapped.variance_factor);
@@ -244,29 +238,9 @@ class LevelMapper {
     return absl::OkStatus();
   }
 
-  // Gives each visit its pose on the level; those whose scan the survey could not use are dropped. A session without
-  // any is where the one before it ended.
-  static void PlaceVisits(const std::vector<slam::StampedPose>& trajectory, survey::Drive& drive) {
-    if (trajectory.empty()) return;
-    const survey::Visit* before = nullptr;
-    for (survey::SurveyedSession& session : drive) {
-      std::erase_if(session.visits, [&](survey::Visit& visit) {
-        const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), visit.time, IsBefore);
-        if (found == trajectory.end() || found->time != visit.time) return true;
-        visit.T_level_robot = found->T_map_robot;
-        return false;
-      });
-      if (session.left) session.T_level_left = PoseAt(trajectory, *session.left);
-      if (session.visits.empty() && before != nullptr && session.T_map_entry) {
-        session.visits.push_back({0, before->time, *session.T_map_entry, before->T_level_robot});
-      }
-      if (!session.visits.empty()) before = &session.visits.back();
-    }
-  }
-
   // The map that the drive's last passage leads into, if it was begun for it. AddMaps drops it if a session is in it.
   absl::Status AddAwaited(const SessionId& last, const closure::DoorVerdict& verdict,
-                          const std::map<MapId, storage::Map>& maps, const std::vector<slam::StampedPose>& trajectory) {
+                          const std::map<MapId, storage::Map>& maps, const DriveTrajectory& trajectory) {
     if (verdict.decision != closure::DoorDecision::kLinkPointMade || !verdict.entered_map || !verdict.T_map_robot ||
         trajectory.empty() || LeadsToAnotherLevel(verdict, maps)) {
       return absl::OkStatus();

@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/grid/occupancy_grid.h"
+#include "core/rooms/room_partition.h"
 #include "core/sensor/scan_pairing.h"
 #include "core/slam/slam_profiles.h"
 #include "core/survey/level_survey.h"
@@ -31,7 +32,10 @@ struct SurveyMappingOptions {
 // or else where their scans show (DriveLocation).
 struct MappedLevel {
   survey::LevelSurvey survey;
-  grid::OccupancyGrid grid;  // in the level's frame
+  grid::OccupancyGrid grid;  // in the level's frame, as is
+  // What robots know of its rooms, drive after drive.
+  std::vector<Eigen::Vector2d> trajectory;   // where they were at each scan, m
+  std::vector<rooms::PassageHint> passages;  // the doors that they have reported to have gone through
 };
 
 struct SiteSurvey {

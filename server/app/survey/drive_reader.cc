@@ -8,32 +8,32 @@
 namespace enfilade::server {
 namespace {
 
-const sensor::DoorReport* LastPassage(const std::vector<sensor::DoorReport>& reports) {
-  const auto last = std::find_if(reports.rbegin(), reports.rend(), [](const sensor::DoorReport& report) {
-    return report.kind == sensor::DoorReport::Kind::kPassage;
+const storage::StoredDoorReport* LastPassage(const std::vector<storage::StoredDoorReport>& reports) {
+  const auto last = std::find_if(reports.rbegin(), reports.rend(), [](const storage::StoredDoorReport& stored) {
+    return stored.report.kind == sensor::DoorReport::Kind::kPassage;
   });
   return last == reports.rend() ? nullptr : &*last;
 }
 
+bool IsByHand(const storage::StoredDoorReport& stored) { return stored.report.by_hand; }
+
 }  // namespace
 
-absl::StatusOr<survey::Drive> DriveReader::Read(const StoredDrive& stored) const {
-  survey::Drive drive;
+absl::StatusOr<ReadDrive> DriveReader::Read(const StoredDrive& stored) const {
+  ReadDrive drive;
   for (const storage::Session* session : stored) {
     survey::SurveyedSession one{.id = session->id, .map = *session->map};
     if (session->entry.T_map_robot) one.T_map_entry = session->entry.T_map_robot->pose;
     ENFILADE_ASSIGN_OR_RETURN(const std::vector<slam::SlamNode> nodes,
                               stores_.mappings.ListKeyframes(SurveyContext(), site_, session->id));
     for (const slam::SlamNode& node : nodes) one.visits.push_back({node.sequence, node.time, node.T_map_node, {}});
-    ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::DoorReport> reports, ReadReports(session->id));
-    if (std::any_of(reports.begin(), reports.end(), [](const sensor::DoorReport& report) { return report.by_hand; })) {
-      return survey::Drive{};
+    ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::StoredDoorReport> reports, ReadReports(session->id));
+    if (std::any_of(reports.begin(), reports.end(), IsByHand)) return ReadDrive{};
+    if (const storage::StoredDoorReport* passage = LastPassage(reports)) {
+      one.left = passage->report.door_time;
+      drive.doors.push_back(ToReportedDoor(passage->report, passage->T_odom_robot));
     }
-    if (const sensor::DoorReport* passage = LastPassage(reports)) {
-      one.left = passage->door_time;
-      one.left_width = passage->width;
-    }
-    drive.push_back(std::move(one));
+    drive.sessions.push_back(std::move(one));
   }
   return drive;
 }
@@ -47,22 +47,17 @@ absl::StatusOr<survey::Ride> DriveReader::ReadRide(const SessionId& session) con
 }
 
 absl::StatusOr<std::optional<sensor::DoorReport>> DriveReader::FindPassage(const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<sensor::DoorReport> reports, ReadReports(session));
-  const sensor::DoorReport* passage = LastPassage(reports);
-  return passage == nullptr ? std::nullopt : std::optional(*passage);
+  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::StoredDoorReport> reports, ReadReports(session));
+  const storage::StoredDoorReport* passage = LastPassage(reports);
+  return passage == nullptr ? std::nullopt : std::optional(passage->report);
 }
 
 absl::StatusOr<std::optional<closure::DoorVerdict>> DriveReader::FindVerdict(const SessionId& session) const {
   return stores_.verdicts.FindPassage(SurveyContext(), site_, session);
 }
 
-absl::StatusOr<std::vector<sensor::DoorReport>> DriveReader::ReadReports(const SessionId& session) const {
-  ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::StoredDoorReport> stored,
-                            stores_.verdicts.ReadReports(SurveyContext(), site_, session));
-  std::vector<sensor::DoorReport> reports;
-  reports.reserve(stored.size());
-  for (const storage::StoredDoorReport& report : stored) reports.push_back(report.report);
-  return reports;
+absl::StatusOr<std::vector<storage::StoredDoorReport>> DriveReader::ReadReports(const SessionId& session) const {
+  return stores_.verdicts.ReadReports(SurveyContext(), site_, session);
 }
 
 }  // namespace enfilade::server

@@ -11,6 +11,7 @@
 #include "core/closure/door_verdict.h"
 #include "core/sensor/record.h"
 #include "core/survey/level_survey.h"
+#include "server/app/survey/drive_trajectory.h"
 #include "server/app/survey/session_reader.h"
 #include "server/app/survey/stored_drives.h"
 #include "storage/graph/door_verdict_store.h"
@@ -31,6 +32,11 @@ struct SurveyStores {
   const storage::PlanJoinStore& plan_joins;
 };
 
+struct ReadDrive {
+  survey::Drive sessions;           // visits have no pose on the level yet
+  std::vector<ReportedDoor> doors;  // at the sessions' ends
+};
+
 // What is stored of a site's drives. The stores and `proceed` must outlive it.
 class DriveReader {
  public:
@@ -38,8 +44,8 @@ class DriveReader {
   DriveReader(const SurveyStores& stores, const SiteId& site, const std::function<absl::Status()>& proceed)
       : stores_(stores), site_(site), sessions_(stores.records, stores.mappings, site_, proceed) {}
 
-  // Visits have no pose on the level yet. Empty if a person divided the drive by commands.
-  absl::StatusOr<survey::Drive> Read(const StoredDrive& stored) const;
+  // Empty if a person divided the drive by commands.
+  absl::StatusOr<ReadDrive> Read(const StoredDrive& stored) const;
 
   absl::StatusOr<survey::Ride> ReadRide(const SessionId& session) const;
 
@@ -52,7 +58,7 @@ class DriveReader {
   const SessionReader& sessions() const { return sessions_; }
 
  private:
-  absl::StatusOr<std::vector<sensor::DoorReport>> ReadReports(const SessionId& session) const;
+  absl::StatusOr<std::vector<storage::StoredDoorReport>> ReadReports(const SessionId& session) const;
 
   const SurveyStores& stores_;
   const SiteId& site_;

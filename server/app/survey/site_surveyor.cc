@@ -35,33 +35,6 @@ storage::CallContext SurveyorContext() {
   return context;
 }
 
-// All drives' poses: where the ground is free.
-std::vector<Eigen::Vector2d> TrajectoryOf(const survey::LevelSurvey& level) {
-  std::vector<Eigen::Vector2d> points;
-  for (const survey::Drive& drive : level.drives) {
-    for (const survey::SurveyedSession& session : drive) {
-      for (const survey::Visit& visit : session.visits) points.push_back(visit.T_level_robot.translation());
-    }
-  }
-  return points;
-}
-
-constexpr double kUsualDoor = 1.0;  // m, if the robot did not measure its width
-
-// The doors that robots have reported to have driven through.
-std::vector<rooms::PassageHint> PassagesOf(const survey::LevelSurvey& level) {
-  std::vector<rooms::PassageHint> passages;
-  for (const survey::Drive& drive : level.drives) {
-    for (const survey::SurveyedSession& session : drive) {
-      if (!session.left) continue;
-      const double half = (session.left_width > 0.0 ? session.left_width : kUsualDoor) / 2.0;
-      passages.push_back(
-          {session.T_level_left * Eigen::Vector2d(0.0, half), session.T_level_left * Eigen::Vector2d(0.0, -half)});
-    }
-  }
-  return passages;
-}
-
 }  // namespace
 
 SiteSurveyor::SiteSurveyor(const survey::SurveyOptions& options, const SurveyScheduleOptions& schedule,
@@ -165,7 +138,7 @@ absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const 
   bool changed = false;
   for (const MappedLevel& level : survey.levels) {
     const rooms::RoomPartition& partition =
-        cache.rooms[level.survey.level].Get(level.grid, PassagesOf(level.survey), TrajectoryOf(level.survey));
+        cache.rooms[level.survey.level].Get(level.grid, level.passages, level.trajectory);
     const rearrange::Rearrangement rearrangement = survey::ArrangeMaps(level.survey, partition, options_, NewUuid);
     if (rearrangement.empty()) continue;
     ENFILADE_RETURN_IF_ERROR(rearranger_.Apply(SurveyorContext(), lease, rearrangement, version).status());

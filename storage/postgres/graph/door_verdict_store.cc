@@ -43,7 +43,8 @@ constexpr Statement kFindPending{
     "  AND NOT w.site_id = ANY ($4::text[])) ranked"
     " ORDER BY turn, site_id, session_id LIMIT $1"};
 constexpr Statement kReadReports{"reading door reports",
-                                 "SELECT r.sequence, r.payload, v.sequence IS NOT NULL FROM enfilade.session_records r"
+                                 "SELECT r.sequence, r.payload, v.sequence IS NOT NULL, v.odom_x, v.odom_y, v.odom_yaw"
+                                 " FROM enfilade.session_records r"
                                  " LEFT JOIN enfilade.door_verdicts v USING (site_id, session_id, sequence)"
                                  " WHERE r.site_id = $1 AND r.session_id = $2 AND r.kind = 6 ORDER BY r.sequence"};
 constexpr Statement kListWaiting{"looking for sessions that wait",
@@ -130,6 +131,7 @@ absl::StatusOr<std::vector<StoredDoorReport>> DoorVerdictStore::ReadReports(cons
     stored.sequence = row.Int64();
     const std::string_view payload = row.Bytes();
     stored.judged = row.Bool();
+    stored.T_odom_robot = postgres::ReadOptionalPose(row);
     ENFILADE_RETURN_IF_ERROR(row.status());
     auto record = sensor::DecodePayload(stored.sequence, sensor::RecordKind::kDoorReport, payload);
     if (!record.ok()) return WithContext(record.status(), NameOf(site, session));
