@@ -167,4 +167,14 @@ bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double ap
   return turn >= std::cos(kMostTurn) && (one.middle() - other.middle()).norm() < apart;
 }
 
+bool GoesAlong(const DoorCandidate& line, const DoorCandidate& passage) {
+  constexpr double kMostTurn = M_PI / 6.0;
+  constexpr double kAside = 0.25;  // of the passage's length
+  const Eigen::Vector2d along = (line.b - line.a).normalized();
+  if (std::abs(along.dot((passage.b - passage.a).normalized())) < std::cos(kMostTurn)) return false;
+  const Eigen::Vector2d from_a = passage.middle() - line.a;
+  const double at = from_a.dot(along);
+  return at > 0.0 && at < line.length() && (from_a - at * along).norm() < kAside * passage.length();
+}
+
 }  // namespace enfilade::rooms

@@ -43,4 +43,7 @@ bool Crosses(const DoorCandidate& one, const DoorCandidate& other);
 // They lie in about the same direction, less than `apart` cells from each other.
 bool LieTogether(const DoorCandidate& one, const DoorCandidate& other, double apart);
 
+// The line goes along `passage` and may go on beyond its ends: a door with a pane of glass beside it.
+bool GoesAlong(const DoorCandidate& line, const DoorCandidate& passage);
+
 }  // namespace enfilade::rooms

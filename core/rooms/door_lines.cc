@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/rooms/door_lines.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/geometry/pose2.h"
@@ -54,17 +56,47 @@ void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomO
   lines.insert(lines.end(), others.begin(), others.end());
 }
 
-// The line between two points, made longer until both ends are on walls, if these are near.
-DoorCandidate Extended(const GroundMap& ground, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = (b - a).normalized();
-  const auto extend = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& direction) -> Eigen::Vector2d {
-    for (double step = 0.0; step < 0.6 / ground.resolution; step += 1.0) {
-      Eigen::Vector2d p = end + step * direction;
-      if (!ground.IsOpen(p)) return p;
+// The line along a passage, from the wall at one end of it to that at the other. An end without a wall near it stays.
+DoorCandidate AlongPassage(const GroundMap& ground, const DoorCandidate& passage) {
+  constexpr double kFarther = 0.6;  // m beyond the passage's end
+  constexpr std::array<double, 7> kTurns{0.0,   5.0,  -5.0, 10.0,
+                                         -10.0, 15.0, -15.0};  // deg: robots measure the door so well
+  const Eigen::Vector2d middle = passage.middle();
+  const auto extend = [&](const Eigen::Vector2d& end) -> Eigen::Vector2d {
+    const double most = (end - middle).norm() + kFarther / ground.resolution;
+    for (const double turn : kTurns) {
+      const Eigen::Vector2d way = Eigen::Rotation2Dd(turn * M_PI / 180.0) * (end - middle).normalized();
+      for (double at = 1.0; at <= most; at += 1.0) {
+        const Eigen::Vector2d p = middle + at * way;
+        if (!ground.IsOpen(p)) return p;
+      }
     }
     return end;
   };
-  return {extend(a, -along), extend(b, along)};
+  return {extend(passage.a), extend(passage.b)};
+}
+
+// The line of a passage where none is known: along it, or as the walls beside it go on, whatever looks more like a
+// door. One jamb may be furniture, or a post with a pane of glass beside it.
+DoorLine LineAcross(const GroundMap& ground, const DoorCandidate& passage, const RoomOptions& options) {
+  const auto judge = [&](const DoorCandidate& line) {
+    DoorLine judged{line, GatherEvidence(ground, line), 0.0};
+    judged.evidence.reports = 1;
+    judged.openness = OpennessOf(judged.evidence);
+    return judged;
+  };
+  DoorLine best = judge(AlongPassage(ground, passage));
+  const double longest = LongestLine(options) / ground.resolution;
+  std::vector<DoorCandidate> others = ContinueWalls(ground, best.line, best.evidence, longest);
+  const std::vector<DoorCandidate> aligned = AlignWithWalls(ground, best.line, longest);
+  others.insert(others.end(), aligned.begin(), aligned.end());
+  for (const DoorCandidate& other : others) {
+    if (!GoesAlong(other, passage)) continue;
+    const DoorLine found = judge(other);
+    if (found.evidence.width <= options.max_door && found.openness < best.openness) best = found;
+  }
+  best.evidence.reports = 0;
+  return best;
 }
 
 // The line that a robot went through which reports a passage across `passage`: it may have gone through the door
@@ -76,7 +108,10 @@ DoorLine* LineOfPassage(const DoorCandidate& passage, double reach, std::vector<
     reach = (line.line.middle() - passage.middle()).norm();
     nearest = &line;
   }
-  return nearest;
+  if (nearest != nullptr) return nearest;
+  const auto longer =
+      std::find_if(lines.begin(), lines.end(), [&](const DoorLine& line) { return GoesAlong(line.line, passage); });
+  return longer == lines.end() ? nullptr : &*longer;
 }
 
 }  // namespace
@@ -130,19 +165,18 @@ void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometr
 }
 
 void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
-                 std::vector<DoorLine>& lines) {
+                 const RoomOptions& options, std::vector<DoorLine>& lines) {
   for (const PassageHint& passage : passages) {
     const Eigen::Vector2d a = ToCells(geometry, passage.a);
     const Eigen::Vector2d b = ToCells(geometry, passage.b);
     if (!a.allFinite() || !b.allFinite() || (b - a).norm() < 1.0) continue;
     DoorLine* line = LineOfPassage({a, b}, 0.6 / ground.resolution, lines);
     if (line == nullptr) {
-      const DoorCandidate own = Extended(ground, a, b);
+      DoorLine own = LineAcross(ground, {a, b}, options);
       const bool crosses =
-          std::any_of(lines.begin(), lines.end(), [&](const DoorLine& other) { return Crosses(own, other.line); });
+          std::any_of(lines.begin(), lines.end(), [&](const DoorLine& other) { return Crosses(own.line, other.line); });
       if (crosses) continue;  // it would cut the other line in two
-      lines.push_back({own, GatherEvidence(ground, own), 0.0});
-      line = &lines.back();
+      line = &lines.emplace_back(std::move(own));
     }
     ++line->evidence.reports;
     line->openness = OpennessOf(line->evidence);

@@ -34,8 +34,8 @@ void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometr
                       std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
                       std::vector<DoorLine>& lines);
 
-// A passage makes the line nearest to it a door, or is a line itself.
+// A passage is evidence for the line nearest to it, or is a line itself.
 void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
-                 std::vector<DoorLine>& lines);
+                 const RoomOptions& options, std::vector<DoorLine>& lines);
 
 }  // namespace enfilade::rooms

@@ -31,7 +31,9 @@ std::vector<int> CountReports(const grid::GridGeometry& geometry, std::span<cons
   for (const PassageHint& passage : passages) {
     const DoorCandidate reported{ToCells(geometry, passage.a), ToCells(geometry, passage.b)};
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      reports[k] += LieTogether(lines[k].line, reported, kDoorway / geometry.resolution) ? 1 : 0;
+      const DoorCandidate& line = lines[k].line;
+      const bool reports_it = LieTogether(line, reported, kDoorway / geometry.resolution) || GoesAlong(line, reported);
+      reports[k] += reports_it ? 1 : 0;
     }
   }
   return reports;

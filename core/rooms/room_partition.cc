@@ -47,7 +47,7 @@ class Partitioner {
   RoomPartition Run() {
     lines_ = FindDoorLines(ground_, field_, options_);
     AddNarrowsOnPath(ground_, geometry_, evidence_.trajectory, options_, lines_);
-    AddPassages(ground_, geometry_, evidence_.passages, lines_);
+    AddPassages(ground_, geometry_, evidence_.passages, options_, lines_);
     WeighSilence(geometry_, evidence_, lines_);
     std::vector<DoorCandidate> lines;
     for (const DoorLine& line : lines_) lines.push_back(line.line);

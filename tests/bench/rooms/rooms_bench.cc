@@ -197,7 +197,7 @@ class RoomsBench {
     chosen.field = rooms::DistancesToWalls(chosen.ground);
     chosen.lines = rooms::FindDoorLines(chosen.ground, chosen.field, options);
     rooms::AddNarrowsOnPath(chosen.ground, grid.geometry, known.trajectory, options, chosen.lines);
-    rooms::AddPassages(chosen.ground, grid.geometry, known.passages, chosen.lines);
+    rooms::AddPassages(chosen.ground, grid.geometry, known.passages, options, chosen.lines);
     return chosen;
   }
 

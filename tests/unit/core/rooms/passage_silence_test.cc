@@ -43,7 +43,7 @@ std::vector<DoorLine> JudgeAll(const DrawnRooms& drawn, const std::string& repor
   for (const char door : reports) passages.push_back(ReportAt(drawn, door));
   const GroundMap ground = ReadGround(drawn.grid, {}, trajectory);
   std::vector<DoorLine> lines = FindDoorLines(ground, DistancesToWalls(ground), {});
-  AddPassages(ground, drawn.grid.geometry, passages, lines);
+  AddPassages(ground, drawn.grid.geometry, passages, RoomOptions(), lines);
   WeighSilence(drawn.grid.geometry, {passages, trajectory}, lines);
   return lines;
 }
