@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "core/geometry/pose2.h"
 #include "core/rooms/basins.h"
@@ -76,8 +77,13 @@ DoorCandidate AlongPassage(const GroundMap& ground, const DoorCandidate& passage
   return {extend(passage.a), extend(passage.b)};
 }
 
+bool EndsOpen(const GroundMap& ground, const DoorLine& line) {
+  return ground.IsOpen(line.line.a) || ground.IsOpen(line.line.b);
+}
+
 // The line of a passage where none is known: along it, or as the walls beside it go on, whatever looks more like a
-// door. One jamb may be furniture, or a post with a pane of glass beside it.
+// door. One jamb may be furniture, or a post with a pane of glass beside it. A line that ends on open ground parts
+// nothing.
 DoorLine LineAcross(const GroundMap& ground, const DoorCandidate& passage, const RoomOptions& options) {
   const auto judge = [&](const DoorCandidate& line) {
     DoorLine judged{line, GatherEvidence(ground, line), 0.0};
@@ -93,7 +99,10 @@ DoorLine LineAcross(const GroundMap& ground, const DoorCandidate& passage, const
   for (const DoorCandidate& other : others) {
     if (!GoesAlong(other, passage)) continue;
     const DoorLine found = judge(other);
-    if (found.evidence.width <= options.max_door && found.openness < best.openness) best = found;
+    if (found.evidence.width > options.max_door) continue;
+    if (std::tuple(EndsOpen(ground, found), found.openness) < std::tuple(EndsOpen(ground, best), best.openness)) {
+      best = found;
+    }
   }
   best.evidence.reports = 0;
   return best;
