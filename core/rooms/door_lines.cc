@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "core/geometry/pose2.h"
@@ -57,14 +58,14 @@ void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomO
   lines.insert(lines.end(), others.begin(), others.end());
 }
 
-// The line along a passage, from the wall at one end of it to that at the other. An end without a wall near it stays.
-DoorCandidate AlongPassage(const GroundMap& ground, const DoorCandidate& passage) {
-  constexpr double kFarther = 0.6;  // m beyond the passage's end
-  constexpr std::array<double, 7> kTurns{0.0,   5.0,  -5.0, 10.0,
-                                         -10.0, 15.0, -15.0};  // deg: robots measure the door so well
+// The line along a passage, from the wall at one end of it to that at the other, up to `farther` cells beyond its ends.
+// An end without a wall there stays.
+DoorCandidate AlongPassage(const GroundMap& ground, const DoorCandidate& passage, double farther) {
+  // Robots measure a door's direction no better. Degrees.
+  constexpr std::array<double, 7> kTurns{0.0, 5.0, -5.0, 10.0, -10.0, 15.0, -15.0};
   const Eigen::Vector2d middle = passage.middle();
   const auto extend = [&](const Eigen::Vector2d& end) -> Eigen::Vector2d {
-    const double most = (end - middle).norm() + kFarther / ground.resolution;
+    const double most = (end - middle).norm() + farther;
     for (const double turn : kTurns) {
       const Eigen::Vector2d way = Eigen::Rotation2Dd(turn * M_PI / 180.0) * (end - middle).normalized();
       for (double at = 1.0; at <= most; at += 1.0) {
@@ -91,9 +92,11 @@ DoorLine LineAcross(const GroundMap& ground, const DoorCandidate& passage, const
     judged.openness = OpennessOf(judged.evidence);
     return judged;
   };
-  DoorLine best = judge(AlongPassage(ground, passage));
+  constexpr double kNear = 0.6;  // m
+  DoorLine best = judge(AlongPassage(ground, passage, kNear / ground.resolution));
   const double longest = LongestLine(options) / ground.resolution;
   std::vector<DoorCandidate> others = ContinueWalls(ground, best.line, best.evidence, longest);
+  others.push_back(AlongPassage(ground, passage, longest / 2.0));
   const std::vector<DoorCandidate> aligned = AlignWithWalls(ground, best.line, longest);
   others.insert(others.end(), aligned.begin(), aligned.end());
   for (const DoorCandidate& other : others) {
@@ -121,6 +124,18 @@ DoorLine* LineOfPassage(const DoorCandidate& passage, double reach, std::vector<
   const auto longer =
       std::find_if(lines.begin(), lines.end(), [&](const DoorLine& line) { return GoesAlong(line.line, passage); });
   return longer == lines.end() ? nullptr : &*longer;
+}
+
+// Of several lines across one opening the one that was reported stays: the others would vote on the same door again.
+void DropRivals(const GroundMap& ground, double reach, std::vector<DoorLine>& lines) {
+  std::vector<DoorLine> reported;
+  std::copy_if(lines.begin(), lines.end(), std::back_inserter(reported),
+               [&](const DoorLine& line) { return line.evidence.reports > 0 && !EndsOpen(ground, line); });
+  std::erase_if(lines, [&](const DoorLine& line) {
+    return line.evidence.reports == 0 && std::any_of(reported.begin(), reported.end(), [&](const DoorLine& other) {
+             return other.openness < line.openness && LieTogether(other.line, line.line, reach);
+           });
+  });
 }
 
 }  // namespace
@@ -175,11 +190,12 @@ void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometr
 
 void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
                  const RoomOptions& options, std::vector<DoorLine>& lines) {
+  const double reach = 0.6 / ground.resolution;
   for (const PassageHint& passage : passages) {
     const Eigen::Vector2d a = ToCells(geometry, passage.a);
     const Eigen::Vector2d b = ToCells(geometry, passage.b);
     if (!a.allFinite() || !b.allFinite() || (b - a).norm() < 1.0) continue;
-    DoorLine* line = LineOfPassage({a, b}, 0.6 / ground.resolution, lines);
+    DoorLine* line = LineOfPassage({a, b}, reach, lines);
     if (line == nullptr) {
       DoorLine own = LineAcross(ground, {a, b}, options);
       const bool crosses =
@@ -190,6 +206,7 @@ void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, st
     ++line->evidence.reports;
     line->openness = OpennessOf(line->evidence);
   }
+  DropRivals(ground, reach, lines);
 }
 
 }  // namespace enfilade::rooms
