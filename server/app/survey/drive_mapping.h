@@ -32,8 +32,8 @@ struct SurveyMappingOptions {
 // or else where their scans show (DriveLocation).
 struct MappedLevel {
   survey::LevelSurvey survey;
-  grid::OccupancyGrid grid;  // in the level's frame, as is
-  // What robots know of its rooms, drive after drive.
+  grid::OccupancyGrid grid;  // in the level's frame
+  // What robots know of its rooms, in that frame, drive after drive.
   std::vector<Eigen::Vector2d> trajectory;   // where they were at each scan, m
   std::vector<rooms::PassageHint> passages;  // the doors that they have reported to have gone through
 };

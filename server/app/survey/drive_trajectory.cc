@@ -12,8 +12,9 @@ bool IsBefore(const slam::StampedPose& pose, TimeNs time) { return pose.time < t
 }  // namespace
 
 ReportedDoor ToReportedDoor(const sensor::DoorReport& report, const std::optional<Pose2>& T_odom_robot) {
-  if (!T_odom_robot) return {.time = report.door_time, .T_robot_door = {}, .width = report.width};
-  return {.time = report.time, .T_robot_door = Between(*T_odom_robot, report.T_odom_door), .width = report.width};
+  ReportedDoor door{.passed = report.door_time, .reported = report.time, .T_robot_door = {}, .width = report.width};
+  if (T_odom_robot) door.T_robot_door = Between(*T_odom_robot, report.T_odom_door);
+  return door;
 }
 
 Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time) {
@@ -27,7 +28,9 @@ Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time) {
 
 rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door) {
   constexpr double kUsualDoor = 1.0;  // m
-  const Pose2 T_level_door = PoseAt(trajectory, door.time) * door.T_robot_door;
+  const bool seen = door.T_robot_door && door.reported <= trajectory.back().time;
+  const Pose2 T_level_door =
+      seen ? PoseAt(trajectory, door.reported) * *door.T_robot_door : PoseAt(trajectory, door.passed);
   const double half = (door.width > 0.0 ? door.width : kUsualDoor) / 2.0;
   return {T_level_door * Eigen::Vector2d(0.0, half), T_level_door * Eigen::Vector2d(0.0, -half)};
 }

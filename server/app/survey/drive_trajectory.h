@@ -18,18 +18,20 @@ using DriveTrajectory = std::vector<slam::StampedPose>;
 
 // A door that a robot has gone through, as it saw it.
 struct ReportedDoor {
-  TimeNs time = 0;          // when the robot was at T_robot_door of it
-  Pose2 T_robot_door = {};  // facing through the door
-  double width = 0.0;       // m; 0: unknown
+  TimeNs passed = 0;                       // when the robot was in it
+  TimeNs reported = 0;                     // some way behind it
+  std::optional<Pose2> T_robot_door = {};  // from the robot at that time, facing through the door; unset: unknown
+  double width = 0.0;                      // m; 0: unknown
 };
 
-// `T_odom_robot`: at report.time. Without it the door is where the robot was on its way through.
+// `T_odom_robot`: at report.time.
 ReportedDoor ToReportedDoor(const sensor::DoorReport& report, const std::optional<Pose2>& T_odom_robot);
 
 // Between the scans before and after; `trajectory` must not be empty.
 Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time);
 
-// The line across the door, on the level.
+// The line across the door, on the level; `trajectory` must not be empty. Where nothing else is known, or it ends
+// before the door was reported, it is where the robot went through.
 rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door);
 
 // Gives each visit its pose on the level; those whose scan the survey could not use are dropped. A session without any

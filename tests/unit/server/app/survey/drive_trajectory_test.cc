@@ -58,6 +58,14 @@ TEST(PassageAt, WithoutOdometryADoorIsWhereTheRobotWas) {
   EXPECT_NEAR((passage.b - passage.a).norm(), 1.0, 1e-9) << "a usual width";
 }
 
+TEST(PassageAt, ADoorToAnotherLevelIsWhereTheRobotWas) {
+  DriveTrajectory until_door = Straight();
+  until_door.resize(3);  // what is beyond is not of this level
+  const ReportedDoor door = ToReportedDoor(Report(), Pose2{12.0, 7.0, M_PI / 2.0});
+  const rooms::PassageHint passage = PassageAt(until_door, door);
+  EXPECT_NEAR(((passage.a + passage.b) / 2.0 - Eigen::Vector2d(2.0, 0.0)).norm(), 0.0, 1e-9);
+}
+
 TEST(PlaceVisits, ThoseWithoutAScanAreDropped) {
   survey::Drive drive(2);
   drive[0].visits = {{1, kSecond, {}, {}}, {2, kSecond + 1, {}, {}}};
