@@ -31,7 +31,7 @@ ReportedDoor ToReportedDoor(const sensor::DoorReport& report, const std::optiona
 Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time);
 
 // The line across the door, on the level; `trajectory` must not be empty. Where nothing else is known, or it ends
-// before the door was reported, it is where the robot went through.
+// long before the door was reported, it is where the robot went through.
 rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door);
 
 // Gives each visit its pose on the level; those whose scan the survey could not use are dropped. A session without any
