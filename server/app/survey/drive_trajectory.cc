@@ -27,7 +27,7 @@ Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time) {
 }
 
 rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door) {
-  constexpr double kUsualDoor = 1.0;  // m
+  constexpr double kUsualDoor = 1.0;      // m
   constexpr TimeNs kScans = 500'000'000;  // the report may be later than the last scan
   const bool seen = door.T_robot_door && door.reported <= trajectory.back().time + kScans;
   const Pose2 T_level_door =
