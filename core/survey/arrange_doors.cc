@@ -324,8 +324,10 @@ class DoorArranger {
       anchor = {now, there.pose, there.covariance};
     }
     std::set<MapId> maps;
-    for (const graph::Anchor& anchor : moved.anchors) maps.insert(anchor.map);
-    if (maps.size() < moved.anchors.size()) return Remove(link_point);  // its maps are one room
+    std::erase_if(moved.anchors, [&](const graph::Anchor& anchor) { return !maps.insert(anchor.map).second; });
+    if (maps.size() < std::min<std::size_t>(link_point.anchors.size(), 2)) {
+      return Remove(link_point);  // its maps are one room
+    }
     Arrange(moved, &link_point);
   }
 

@@ -47,6 +47,17 @@ TEST(ArrangeCabins, ACabinOfALiftIsOneMapOnAllLevels) {
       << "the cabin's door of the other level stays";
 }
 
+// A robot went out of each of the cabin's two maps to the lobby's level.
+TEST(ArrangeCabins, ADoorOfThreeMapsStaysWhenTwoOfThemAreOneRoom) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.link_points[2].anchors.push_back(AnchorAt("cabin", {3.0, -2.0, 0.7}, {1.5, 2.75, M_PI / 2}));
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  ASSERT_THAT(change.redirects, SizeIs(1));
+  EXPECT_EQ(JoinedMaps(After(survey, change)),
+            (std::multiset<std::set<std::string>>{{"a", "cabin"}, {"cabin", "lobby"}}));
+}
+
 TEST(ArrangeCabins, RidesGoWithTheirCabinAndNowhereElse) {
   LevelSurvey survey = CorridorWithLift();
   survey.maps[1].rides = {{SessionId("r"), {}}};
