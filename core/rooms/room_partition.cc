@@ -227,6 +227,12 @@ int RoomPartition::RoomAt(const Eigen::Vector2d& p_map) const {
   return labels[geometry.index(static_cast<int>(p.x()), static_cast<int>(p.y()))];
 }
 
+PassageHint PassageThrough(const Pose2& T_map_door, double width) {
+  constexpr double kUsualDoor = 1.0;  // m
+  const double half = (width > 0.0 ? width : kUsualDoor) / 2.0;
+  return {T_map_door * Eigen::Vector2d(0.0, half), T_map_door * Eigen::Vector2d(0.0, -half)};
+}
+
 RoomPartition PartitionRooms(const grid::OccupancyGrid& grid, const RoomOptions& options,
                              const RoomEvidence& evidence) {
   return Partitioner(grid, options, evidence).Run();

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/pose2.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/rooms/room_options.h"
 
@@ -21,6 +22,9 @@ struct PassageHint {
 
   friend bool operator==(const PassageHint&, const PassageHint&) = default;
 };
+
+// Across a door whose pose faces through it; `width`: m, 0 if the robot did not measure it.
+PassageHint PassageThrough(const Pose2& T_map_door, double width);
 
 // What is known beside the grid; both may be empty.
 struct RoomEvidence {

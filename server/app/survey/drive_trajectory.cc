@@ -27,13 +27,11 @@ Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time) {
 }
 
 rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door) {
-  constexpr double kUsualDoor = 1.0;      // m
   constexpr TimeNs kScans = 500'000'000;  // the report may be later than the last scan
   const bool seen = door.T_robot_door && door.reported <= trajectory.back().time + kScans;
   const Pose2 T_level_door =
       seen ? PoseAt(trajectory, door.reported) * *door.T_robot_door : PoseAt(trajectory, door.passed);
-  const double half = (door.width > 0.0 ? door.width : kUsualDoor) / 2.0;
-  return {T_level_door * Eigen::Vector2d(0.0, half), T_level_door * Eigen::Vector2d(0.0, -half)};
+  return rooms::PassageThrough(T_level_door, door.width);
 }
 
 void PlaceVisits(const DriveTrajectory& trajectory, survey::Drive& drive) {

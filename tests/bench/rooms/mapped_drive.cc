@@ -108,11 +108,9 @@ absl::StatusOr<Mapping> MapRecords(std::vector<simulator::SimulatedRecord> recor
   } else {
     mapping = MapAsOne(std::move(records));
   }
-  constexpr double kUsualDoor = 1.0;  // m
   for (const Passage& passage : passages) {
     const Pose2 T_map_door = PoseAt(mapping, passage.time).T_map_robot * passage.T_robot_door;
-    const double half = (passage.width > 0.0 ? passage.width : kUsualDoor) / 2.0;
-    mapping.reported.push_back({T_map_door * Eigen::Vector2d(0.0, half), T_map_door * Eigen::Vector2d(0.0, -half)});
+    mapping.reported.push_back(rooms::PassageThrough(T_map_door, passage.width));
   }
   return mapping;
 }
