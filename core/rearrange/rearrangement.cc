@@ -3,6 +3,7 @@
 
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -18,6 +19,24 @@ absl::Status CheckUnique(const std::vector<T>& items, const IdOf& id_of, std::st
     const std::string id = id_of(item).value();
     if (!IsValidResourceId(id)) return InvalidArgument("{} \"{}\" is not a valid id", what, id);
     if (!seen.insert(id).second) return InvalidArgument("{} \"{}\" is given twice", what, id);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateCuts(const Rearrangement& rearrangement) {
+  ENFILADE_RETURN_IF_ERROR(CheckUnique(
+      rearrangement.cuts, [](const SessionCut& cut) { return cut.rest; }, "the rest of a session"));
+  std::set<std::pair<SessionId, std::int64_t>> seen;
+  for (const SessionCut& cut : rearrangement.cuts) {
+    const std::string& id = cut.session.value();
+    if (!IsValidResourceId(id)) return InvalidArgument("the session to be cut \"{}\" is not a valid id", id);
+    if (cut.first_sequence <= 1) {
+      return InvalidArgument("session {} cannot be cut before record {}: nothing would be left", id,
+                             cut.first_sequence);
+    }
+    if (!seen.emplace(cut.session, cut.first_sequence).second) {
+      return InvalidArgument("session {} is cut twice before record {}", id, cut.first_sequence);
+    }
   }
   return absl::OkStatus();
 }
@@ -65,10 +84,6 @@ absl::Status Validate(const Rearrangement& rearrangement) {
   ENFILADE_RETURN_IF_ERROR(CheckUnique(
       rearrangement.new_maps, [](const MapSeed& map) { return map.id; }, "the new map"));
   ENFILADE_RETURN_IF_ERROR(CheckUnique(
-      rearrangement.cuts, [](const SessionCut& cut) { return cut.session; }, "the session to be cut"));
-  ENFILADE_RETURN_IF_ERROR(CheckUnique(
-      rearrangement.cuts, [](const SessionCut& cut) { return cut.rest; }, "the rest of a session"));
-  ENFILADE_RETURN_IF_ERROR(CheckUnique(
       rearrangement.moves, [](const SessionMove& move) { return move.session; }, "the session to be moved"));
   ENFILADE_RETURN_IF_ERROR(CheckUnique(
       rearrangement.redirects, [](const MapRedirect& redirect) { return redirect.from; }, "the map"));
@@ -76,11 +91,7 @@ absl::Status Validate(const Rearrangement& rearrangement) {
       rearrangement.link_points, [](const graph::LinkPoint& point) { return point.id; }, "the link point"));
   ENFILADE_RETURN_IF_ERROR(CheckUnique(
       rearrangement.removed_link_points, [](const LinkPointId& id) { return id; }, "the link point to be removed"));
-  for (const SessionCut& cut : rearrangement.cuts) {
-    if (cut.first_sequence > 1) continue;
-    return InvalidArgument("session {} cannot be cut before record {}: nothing would be left", cut.session.value(),
-                           cut.first_sequence);
-  }
+  ENFILADE_RETURN_IF_ERROR(ValidateCuts(rearrangement));
   ENFILADE_RETURN_IF_ERROR(ValidateRedirects(rearrangement));
   return ValidateLinkPoints(rearrangement);
 }

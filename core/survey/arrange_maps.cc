@@ -23,9 +23,7 @@ class MapArranger {
  public:
   MapArranger(const LevelSurvey& survey, const SurveyOptions& options, const std::function<std::string()>& new_id,
               RoomsOfDrives found)
-      : survey_(survey), options_(options), new_id_(new_id), found_(std::move(found)) {
-    DeferLaterCuts();
-  }
+      : survey_(survey), options_(options), new_id_(new_id), found_(std::move(found)) {}
 
   void Run(const rooms::RoomPartition& partition) {
     plan_.T_level_map = PlaceMaps(survey_, options_);
@@ -45,40 +43,6 @@ class MapArranger {
  private:
   const SurveyedSession& SessionOf(const Stretch& stretch) const {
     return survey_.drives[stretch.drive][stretch.session];
-  }
-
-  // A session is cut once at a time, near its middle, so that few surveys suffice for many rooms: the next one sees two
-  // sessions, and cuts each of them. Until then only the rooms where the two begin count. Those of pinned maps are not
-  // cut.
-  void DeferLaterCuts() {
-    std::vector<Stretch> kept;
-    for (auto begin = found_.stretches.cbegin(); begin != found_.stretches.cend();) {
-      const auto end = std::find_if(begin, found_.stretches.cend(), [&](const Stretch& stretch) {
-        return stretch.drive != begin->drive || stretch.session != begin->session;
-      });
-      if (IsPinned(SessionOf(*begin).map)) {
-        kept.insert(kept.end(), begin, end);
-      } else {
-        KeepTwoRooms(begin, end, kept);
-      }
-      begin = end;
-    }
-    found_.stretches = std::move(kept);
-  }
-
-  // Of one session's stretches, no two neighbours of which are in one room.
-  static void KeepTwoRooms(std::vector<Stretch>::const_iterator begin, std::vector<Stretch>::const_iterator end,
-                           std::vector<Stretch>& kept) {
-    kept.push_back(*begin);
-    auto cut = begin;
-    auto least = end - begin;  // stretches of the larger part
-    for (auto stretch = begin; stretch != end; ++stretch) {
-      const auto larger = std::max(stretch - begin, end - stretch);
-      if (stretch->room == begin->room || larger >= least) continue;
-      cut = stretch;
-      least = larger;
-    }
-    if (cut != begin) kept.push_back(*cut);
   }
 
   void ChooseMaps() {
@@ -188,8 +152,8 @@ class MapArranger {
     return found != nullptr && !found->root && !found->busy && !found->pinned;
   }
 
-  // A map for each room whose maps are all those of other rooms. It begins in the frame of the session that was longest
-  // in the room.
+  // A map for each room whose maps are all those of other rooms. Its frame is that of the session that was longest in
+  // the room.
   void BeginMaps() {
     std::map<int, const Stretch*> longest;
     for (const Stretch& stretch : found_.stretches) {
@@ -200,7 +164,7 @@ class MapArranger {
     for (const auto& [room, stretch] : longest) {
       const SurveyedSession& session = SessionOf(*stretch);
       const SurveyedMap* model = survey_.FindMap(session.map);
-      const std::optional<Pose2> place = PlaceOf(session);
+      const std::optional<Pose2> place = PlaceOf(PartOf(session, stretch->first, stretch->last));
       if (model == nullptr || !place) continue;
       rearrange::MapSeed seed;
       seed.id = MapId(new_id_());
@@ -228,31 +192,40 @@ class MapArranger {
     }
   }
 
-  // The stretches [begin, end) are one session's.
+  // The stretches [begin, end) are one session's. It is cut wherever the next one is another map's.
   void MoveSession(std::size_t begin, std::size_t end) {
     const SurveyedSession& session = SessionOf(found_.stretches[begin]);
-    if (IsPinned(session.map)) return Move(session.id, session, session.map);
-    SessionId piece = session.id;
-    MapId target = session.map;
-    bool first = true;
+    if (IsPinned(session.map)) return Move(session, session.map);
+    std::size_t first = begin;
     for (std::size_t i = begin; i < end; ++i) {
-      const Stretch& stretch = found_.stretches[i];
-      const auto found = plan_.map_of_room.find(stretch.room);
-      const MapId& to = found == plan_.map_of_room.end() ? session.map : found->second;
-      if (first) {
-        target = to;
-      } else if (to != target) {
-        Move(piece, session, target);
-        const SessionId rest(new_id_());
-        result_.cuts.push_back({piece, session.visits[stretch.first].sequence, rest});
-        piece = rest;
-        target = to;
+      const MapId& target = MapOf(found_.stretches[i]);
+      if (i + 1 < end && MapOf(found_.stretches[i + 1]) == target) continue;
+      const std::size_t visit = found_.stretches[first].first;
+      SurveyedSession part = PartOf(session, visit, found_.stretches[i].last);
+      if (first > begin) {
+        part.id = SessionId(new_id_());
+        result_.cuts.push_back({session.id, session.visits[visit].sequence, part.id});
       }
-      first = false;
+      Move(part, target);
+      const bool is_whole = first == begin && i + 1 == end;
+      if (is_whole && target == session.map && session.cabin) CutAtCabin(session);
+      first = i + 1;
     }
-    Move(piece, session, target);
-    const bool stays = piece == session.id && target == session.map;
-    if (stays && session.cabin) CutAtCabin(session);
+  }
+
+  const MapId& MapOf(const Stretch& stretch) const {
+    const auto found = plan_.map_of_room.find(stretch.room);
+    return found == plan_.map_of_room.end() ? SessionOf(stretch).map : found->second;
+  }
+
+  // What the session recorded from visit `first` to visit `last`, inclusive.
+  static SurveyedSession PartOf(const SurveyedSession& session, std::size_t first, std::size_t last) {
+    SurveyedSession part;
+    part.id = session.id;
+    part.map = session.map;
+    part.visits.assign(session.visits.begin() + static_cast<std::ptrdiff_t>(first),
+                       session.visits.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    return part;
   }
 
   // What a session recorded in the cabin is the cabin's. One that moves or is cut elsewhere waits for the next survey.
@@ -273,19 +246,17 @@ class MapArranger {
     result_.moves.push_back({rest, entry.cabin, cabin->T_map_place * Inverse(hall->T_map_place)});
   }
 
-  void Move(const SessionId& piece, const SurveyedSession& session, const MapId& target) {
-    const std::optional<Pose2> place = PlaceOf(session);
+  void Move(const SurveyedSession& part, const MapId& target) {
+    const std::optional<Pose2> place = PlaceOf(part);
     if (!place) return;
-    driven_into_[session.map][target] += static_cast<double>(session.visits.size());
-    if (target == session.map && !MovesWithinMap(piece, session)) return;
-    result_.moves.push_back({piece, target, Between(plan_.T_level_map.at(target), *place)});
+    driven_into_[part.map][target] += static_cast<double>(part.visits.size());
+    if (target == part.map && !MovesWithinMap(part)) return;
+    result_.moves.push_back({part.id, target, Between(plan_.T_level_map.at(target), *place)});
   }
 
-  // A session that stays in its map goes where the survey has it by now. The rest of one that is cut waits for the next
-  // survey; people have decided how sessions of pinned maps lie.
-  bool MovesWithinMap(const SessionId& piece, const SurveyedSession& session) const {
-    return piece == session.id && !IsPinned(session.map) &&
-           IsOutOfPlace(session, plan_.T_level_map.at(session.map), options_);
+  // What stays in its map goes where the survey has it by now. People have decided how sessions of pinned maps lie.
+  bool MovesWithinMap(const SurveyedSession& part) const {
+    return !IsPinned(part.map) && IsOutOfPlace(part, plan_.T_level_map.at(part.map), options_);
   }
 
   // Rides stay in their cabin if its map becomes another room's.

@@ -16,9 +16,8 @@ namespace enfilade::survey {
 //
 // * A room's map is the one that robots drove farthest in, of those that no other room has; the root map and busy maps
 //   come first. If there is none, a map begins.
-// * Sessions move to the map of their room. One that stays moves within its map if the survey has it elsewhere, unless
-//   the map is pinned. A session that was in several rooms is cut at the door nearest to its middle that leads out of
-//   where it began; the next survey cuts both parts.
+// * Sessions move to the map of their room. One that was in several rooms is cut at each door between two maps. What
+//   stays moves within its map if the survey has it elsewhere, unless the map is pinned.
 // * A map without sessions leads to the map that took most of what was driven in it; an awaited one to the map of the
 //   room that the robot was in.
 // * Link points are the doors between the rooms that robots went through. Existing ones keep their ids. Those at no

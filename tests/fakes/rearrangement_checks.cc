@@ -42,10 +42,16 @@ const LinkPointId* FindOtherLinkPoint(const SiteRows& site, const storage::Store
 
 absl::Status CheckCuts(const RearrangedSite& site, const storage::StoredRearrangement& stored) {
   for (const rearrange::SessionCut& cut : stored.cuts) {
+    std::int64_t begin = 0;  // where the cut before it is
+    for (const rearrange::SessionCut& other : stored.cuts) {
+      if (other.session != cut.session || other.rest == cut.rest || other.first_sequence > cut.first_sequence) continue;
+      begin = std::max(begin, other.first_sequence);
+    }
     bool before = false, behind = false;
     if (const auto& mapping = site.rows.sessions.at(cut.session).mapping) {
       for (const auto& [id, node] : mapping->map.nodes) {
-        (node.sequence < cut.first_sequence ? before : behind) = true;
+        before = before || (node.sequence >= begin && node.sequence < cut.first_sequence);
+        behind = behind || node.sequence >= cut.first_sequence;
       }
     }
     if (!before || !behind) return storage::NothingToCutOff(site.id, cut.session, cut.first_sequence);

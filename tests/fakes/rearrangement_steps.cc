@@ -219,7 +219,7 @@ void Redirect(const RearrangedSite& site, const rearrange::Rearrangement& rearra
 absl::Status ApplyRearrangement(const RearrangedSite& site, const storage::RearrangementChange& change,
                                 RearrangementRow& row) {
   const rearrange::Rearrangement& rearrangement = change.rearrangement;
-  for (const rearrange::SessionCut& cut : row.stored.cuts) CutSession(site.rows, cut);
+  CutSessions(site.rows, row.stored.cuts);
   AddMaps(site, rearrangement, row);
   MoveAll(site, rearrangement, row);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(site, rearrangement, row));

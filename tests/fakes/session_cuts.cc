@@ -75,7 +75,8 @@ SessionRow RestOf(const SessionRow& whole, const rearrange::SessionCut& cut) {
   rest.session.entry = {};
   rest.session.entry.previous = cut.session;
   rest.session.surveyed = false;
-  rest.session.create_time += 1000;
+  const std::int64_t skipped = whole.cut_from ? whole.records.begin()->first - 1 : 0;
+  rest.session.create_time += 1000 * (cut.first_sequence - skipped);
   rest.cut_from = whole.cut_from.value_or(cut.session);
   rest.recorded_sequence = whole.session.highest_sequence;
   rest.records.erase(rest.records.begin(), rest.records.lower_bound(cut.first_sequence));
@@ -86,20 +87,6 @@ SessionRow RestOf(const SessionRow& whole, const rearrange::SessionCut& cut) {
   rest.mapping->checkpoint.clear();
   rest.counts = CountsOf(rest.mapping->map);
   return rest;
-}
-
-}  // namespace
-
-void MoveSession(SessionRow& row, const rearrange::SessionMove& move) {
-  row.session.map = move.to;
-  if (auto& entry = row.session.entry.T_map_robot) entry = rearrange::Moved(move.T_to_from, *entry);
-  if (!row.mapping) return;
-  for (auto& [id, submap] : row.mapping->map.submaps) submap.T_map_submap = move.T_to_from * submap.T_map_submap;
-  for (auto& [id, node] : row.mapping->map.nodes) {
-    const PoseWithCovariance moved = rearrange::Moved(move.T_to_from, {node.T_map_node, node.covariance});
-    node.T_map_node = moved.pose;
-    node.covariance = moved.covariance;
-  }
 }
 
 void CutSession(SiteRows& site, const rearrange::SessionCut& cut) {
@@ -119,6 +106,26 @@ void CutSession(SiteRows& site, const rearrange::SessionCut& cut) {
   }
   Follow(site, cut.session, cut.rest);
   site.sessions.insert_or_assign(cut.rest, std::move(rest));
+}
+
+}  // namespace
+
+void MoveSession(SessionRow& row, const rearrange::SessionMove& move) {
+  row.session.map = move.to;
+  if (auto& entry = row.session.entry.T_map_robot) entry = rearrange::Moved(move.T_to_from, *entry);
+  if (!row.mapping) return;
+  for (auto& [id, submap] : row.mapping->map.submaps) submap.T_map_submap = move.T_to_from * submap.T_map_submap;
+  for (auto& [id, node] : row.mapping->map.nodes) {
+    const PoseWithCovariance moved = rearrange::Moved(move.T_to_from, {node.T_map_node, node.covariance});
+    node.T_map_node = moved.pose;
+    node.covariance = moved.covariance;
+  }
+}
+
+void CutSessions(SiteRows& site, std::vector<rearrange::SessionCut> cuts) {
+  // The last one of each session first.
+  std::sort(cuts.begin(), cuts.end(), [](const auto& a, const auto& b) { return a.first_sequence > b.first_sequence; });
+  for (const rearrange::SessionCut& cut : cuts) CutSession(site, cut);
 }
 
 void UncutSession(SiteRows& site, const rearrange::SessionCut& cut, const SessionRow& before) {

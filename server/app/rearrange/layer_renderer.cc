@@ -24,17 +24,19 @@ const slam::SlamOptions& ProfileOf(const slam::SlamProfiles& profiles, const std
                                                              : slam::SlamProfiles::kIndoor);
 }
 
-// Leaves the submaps with keyframes from record `first` to the one before `end`, and those without any (the existing
-// map that a session continued) with the first ones.
-void KeepSubmapsOf(std::int64_t first, std::int64_t end, slam::SlamMap& map) {
+// The submaps with keyframes from record `first` to the one before `end`, and those without any (the existing map that a
+// session continued) with the first ones.
+slam::SlamMap SubmapsOf(const slam::SlamMap& map, std::int64_t first, std::int64_t end) {
   std::set<std::int64_t> used, kept;
   for (const auto& [id, node] : map.nodes) {
     used.insert(node.submap);
     if (node.sequence >= first && node.sequence < end) kept.insert(node.submap);
   }
-  std::erase_if(map.submaps, [&](const auto& entry) {
-    return !kept.contains(entry.first) && (first > 0 || used.contains(entry.first));
-  });
+  slam::SlamMap part;
+  for (const auto& [id, submap] : map.submaps) {
+    if (kept.contains(id) || (first == 0 && !used.contains(id))) part.submaps.emplace(id, submap);
+  }
+  return part;
 }
 
 }  // namespace
@@ -45,20 +47,22 @@ LayerRenderer::LayerRenderer(const storage::CallContext& context, const Rearrang
     : context_(context), stores_(stores), profiles_(profiles), site_(site), rearrangement_(rearrangement) {
   for (const auto& move : rearrangement.moves) moved_[move.session] = {move.to, move.T_to_from, true};
   for (const auto& redirect : rearrangement.redirects) redirected_[redirect.from] = {redirect.to, redirect.T_to_from};
-  for (const auto& cut : rearrangement.cuts) cuts_[cut.session] = cut;
+  for (const auto& cut : rearrangement.cuts) cuts_[cut.session][cut.first_sequence] = cut.rest;
   for (const auto& map : rearrangement.new_maps) new_maps_.insert(map.id);
 }
 
 absl::StatusOr<std::vector<storage::RearrangedRaster>> LayerRenderer::Render() {
   std::set<MapId> changed;
   std::set<SessionId> rests;  // are not there yet
-  for (const auto& [session, cut] : cuts_) rests.insert(cut.rest);
   for (const auto& [map, way] : redirected_) {
     ENFILADE_RETURN_IF_ERROR(Read(map).status());
     changed.insert(way.to);
   }
   std::set<SessionId> sessions;
-  for (const auto& [session, cut] : cuts_) sessions.insert(session);
+  for (const auto& [session, cuts] : cuts_) {
+    sessions.insert(session);
+    for (const auto& [first_sequence, rest] : cuts) rests.insert(rest);
+  }
   for (const auto& [session, way] : moved_) {
     changed.insert(way.to);
     if (!rests.contains(session)) sessions.insert(session);
@@ -93,10 +97,12 @@ LayerRenderer::Way LayerRenderer::WayOf(const MapId& map, const SessionId& sessi
 std::vector<LayerRenderer::Piece> LayerRenderer::PiecesOf(const MapId& map, const storage::MapLayer& layer) const {
   if (layer.session) {
     if (const auto found = cuts_.find(*layer.session); found != cuts_.end()) {
-      const rearrange::SessionCut& cut = found->second;
-      Piece head{layer.session, WayOf(map, cut.session)}, rest{cut.rest, WayOf(map, cut.rest)};
-      head.end = rest.first = cut.first_sequence;
-      return {head, rest};
+      std::vector<Piece> pieces{{layer.session, WayOf(map, *layer.session)}};
+      for (const auto& [first_sequence, rest] : found->second) {
+        pieces.back().end = first_sequence;
+        pieces.push_back({rest, WayOf(map, rest), first_sequence});
+      }
+      return pieces;
     }
     if (moved_.contains(*layer.session)) return {Piece{layer.session, WayOf(map, *layer.session)}};
   }
@@ -142,11 +148,8 @@ absl::StatusOr<grid::OccupancyGrid> LayerRenderer::DrawPiece(const storage::MapL
     ENFILADE_ASSIGN_OR_RETURN(const storage::Session session, stores_.sessions.Get(context_, site_, *layer.session));
     ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* own, OptionsOf(*session.map));
     if (session.state == storage::SessionState::kMapped) {
-      ENFILADE_ASSIGN_OR_RETURN(auto stored, stores_.mappings.Load(context_, site_, session.id));
-      if (stored) {
-        KeepSubmapsOf(piece.first, piece.end, stored->map);
-        return slam::RenderSession(stored->map, session.entry.T_map_robot.has_value(), piece.way.T_to_from, *own);
-      }
+      ENFILADE_ASSIGN_OR_RETURN(const std::optional<slam::SlamMap> part, ReadSubmaps(session.id, piece));
+      if (part) return slam::RenderSession(*part, session.entry.T_map_robot.has_value(), piece.way.T_to_from, *own);
     }
   }
   ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* options, OptionsOf(piece.way.to));
@@ -158,6 +161,17 @@ absl::StatusOr<grid::OccupancyGrid> LayerRenderer::DrawPiece(const storage::MapL
   grid::MapRaster turned = std::move(assembler).Finish();
   turned.geometry.T_map_grid = piece.way.T_to_from * turned.geometry.T_map_grid;
   return OnMapLattice(turned, options->resolution);
+}
+
+absl::StatusOr<std::optional<slam::SlamMap>> LayerRenderer::ReadSubmaps(const SessionId& session, const Piece& piece) {
+  auto known = cut_maps_.find(session);
+  if (known == cut_maps_.end()) {
+    ENFILADE_ASSIGN_OR_RETURN(auto stored, stores_.mappings.Load(context_, site_, session));
+    if (!stored) return std::nullopt;
+    if (!cuts_.contains(session)) return SubmapsOf(stored->map, piece.first, piece.end);
+    known = cut_maps_.emplace(session, std::move(stored->map)).first;
+  }
+  return SubmapsOf(known->second, piece.first, piece.end);
 }
 
 absl::StatusOr<const slam::SlamOptions*> LayerRenderer::OptionsOf(const MapId& map) {

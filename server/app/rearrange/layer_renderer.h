@@ -52,6 +52,8 @@ class LayerRenderer {
   absl::StatusOr<storage::RearrangedRaster> RenderMap(const MapId& map);
   // Empty if a piece shows nothing.
   absl::StatusOr<grid::OccupancyGrid> DrawPiece(const storage::MapLayer& layer, const Piece& piece);
+  // Unset if nothing was mapped.
+  absl::StatusOr<std::optional<slam::SlamMap>> ReadSubmaps(const SessionId& session, const Piece& piece);
   absl::StatusOr<const slam::SlamOptions*> OptionsOf(const MapId& map);
   absl::Status Compose(const std::vector<storage::MapLayer>& layers, storage::RearrangedRaster& raster);
 
@@ -62,7 +64,9 @@ class LayerRenderer {
   const rearrange::Rearrangement& rearrangement_;
   std::map<SessionId, Way> moved_;
   std::map<MapId, Way> redirected_;
-  std::map<SessionId, rearrange::SessionCut> cuts_;  // by the session that is cut
+  // By the session that is cut: the rests by their first records.
+  std::map<SessionId, std::map<std::int64_t, SessionId>> cuts_;
+  std::map<SessionId, slam::SlamMap> cut_maps_;  // of these sessions: each is drawn piece by piece
   std::set<MapId> new_maps_;
   std::map<MapId, storage::LayersBeside> layers_;
 };

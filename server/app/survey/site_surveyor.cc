@@ -25,7 +25,7 @@ constexpr auto kIdlePoll = std::chrono::seconds(2);
 constexpr auto kWaitingPoll = std::chrono::milliseconds(500);
 constexpr auto kSurveyStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
-// A session with several rooms is cut once a survey.
+// What has changed is surveyed again, because maps that are rearranged may be seen differently.
 constexpr int kSurveysInARow = 50;
 constexpr int kUsualFailures = 10;
 

@@ -24,11 +24,14 @@ constexpr Statement kLockSessionsOf{
     " AND delete_time IS NULL ORDER BY session_id FOR UPDATE"};
 constexpr Statement kFindEmptyCut{
     "looking for cuts that cut nothing off",
-    "SELECT c.subject, c.first_sequence FROM enfilade.rearrangement_parts c WHERE c.site_id = $1"
-    " AND c.rearrangement_id = $2 AND c.kind = 2 AND (SELECT NOT (coalesce(bool_or(n.sequence < c.first_sequence), "
-    "false)"
-    "   AND coalesce(bool_or(n.sequence >= c.first_sequence), false)) FROM enfilade.slam_nodes n"
-    "   WHERE n.site_id = $1 AND n.session_id = c.subject) LIMIT 1"};
+    "SELECT c.subject, c.first_sequence FROM enfilade.rearrangement_parts c, LATERAL (SELECT max(p.first_sequence) AS "
+    "first_sequence"
+    "   FROM enfilade.rearrangement_parts p WHERE p.site_id = $1 AND p.rearrangement_id = $2 AND p.kind = 2"
+    "   AND p.subject = c.subject AND p.target <> c.target AND p.first_sequence <= c.first_sequence) before"
+    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2"
+    " AND (SELECT NOT (coalesce(bool_or(n.sequence < c.first_sequence AND n.sequence >= coalesce("
+    "     before.first_sequence, 0)), false) AND coalesce(bool_or(n.sequence >= c.first_sequence), false))"
+    "   FROM enfilade.slam_nodes n WHERE n.site_id = $1 AND n.session_id = c.subject) LIMIT 1"};
 constexpr Statement kFindLeftSession{
     "looking for sessions that are left",
     "SELECT s.session_id, p.subject FROM enfilade.rearrangement_parts p"

@@ -47,7 +47,7 @@ absl::StatusOr<StoredRearrangement> RearrangementStore::Apply(const CallContext&
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(transaction.Flush().status(), site, change.id));
   ENFILADE_RETURN_IF_ERROR(LockAndCheck(transaction, site, change));
   QueueImagesBefore(transaction, site, change.id);
-  QueueCuts(transaction, site, change.id);
+  QueueCuts(transaction, site, change);
   ENFILADE_RETURN_IF_ERROR(ExplainRearrangement(AddMaps(transaction, site, change, version), site, change.id));
   QueueMoves(transaction, site, change.id);
   ENFILADE_RETURN_IF_ERROR(ChangeLinkPoints(transaction, site, change, version));

@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "storage/postgres/rearrange/session_cuts.h"
 
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string_view>
+#include <vector>
+
 #include "storage/postgres/driver/params.h"
 
 namespace enfilade::storage::postgres {
 namespace {
 
 // The cuts of a rearrangement: session c.subject, its rest c.target from record c.first_sequence on.
-#define ENFILADE_CUTS "enfilade.rearrangement_parts c WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2"
+#define ENFILADE_ALL_CUTS \
+  "enfilade.rearrangement_parts c WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2"
+// Those whose rests are among $3.
+#define ENFILADE_THESE " AND c.target = ANY ($3)"
+#define ENFILADE_CUTS ENFILADE_ALL_CUTS ENFILADE_THESE
 #define ENFILADE_JOIN_CUTS(table)                                                                             \
   " FROM enfilade.rearrangement_parts c JOIN enfilade." table                                                 \
   " t ON t.site_id = c.site_id AND t.session_id = c.subject WHERE c.site_id = $1 AND c.rearrangement_id = $2" \
-  " AND c.kind = 2"
+  " AND c.kind = 2" ENFILADE_THESE
 #define ENFILADE_JOIN_RESTS(table)                                                                           \
   " FROM enfilade.rearrangement_parts c JOIN enfilade." table                                                \
   " t ON t.site_id = c.site_id AND t.session_id = c.target WHERE c.site_id = $1 AND c.rearrangement_id = $2" \
@@ -42,7 +52,7 @@ constexpr Statement kInsertRest{
     " recorded_sequence, skipped_records)"
     " SELECT t.site_id, c.target, t.robot_id, t.map_id, t.state, t.acknowledged_sequence, t.highest_sequence, n.scans,"
     "   n.odometry, n.images, n.clouds, n.withheld, n.doors, n.bytes, n.first_time, n.last_time,"
-    "   t.create_time + interval '1 microsecond', t.finish_time, t.session_id, t.doors_judged,"
+    "   t.create_time + (c.first_sequence - t.skipped_records) * interval '1 microsecond', t.finish_time, t.session_id, t.doors_judged,"
     "   coalesce(t.cut_from_session_id, t.session_id), t.highest_sequence, c.first_sequence - 1"
     " FROM enfilade.rearrangement_parts c JOIN enfilade.sessions t ON t.site_id = c.site_id AND t.session_id = "
     "c.subject"
@@ -53,7 +63,7 @@ constexpr Statement kInsertRest{
     "   coalesce(sum(octet_length(payload)), 0) AS bytes, min(time_ns) FILTER (WHERE kind <> 5) AS first_time,"
     "   max(time_ns) FILTER (WHERE kind <> 5) AS last_time FROM enfilade.session_records r"
     "   WHERE r.site_id = c.site_id AND r.session_id = c.subject AND r.sequence >= c.first_sequence) n"
-    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2"};
+    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2" ENFILADE_THESE};
 constexpr Statement kShrinkHead{
     "cutting the session",
     "UPDATE enfilade.sessions s SET acknowledged_sequence = c.first_sequence - 1,"
@@ -63,7 +73,7 @@ constexpr Statement kShrinkHead{
     " door_reports = s.door_reports - t.door_reports, payload_bytes = greatest(0, s.payload_bytes - t.payload_bytes),"
     " last_time_ns = (SELECT max(r.time_ns) FILTER (WHERE kind <> 5) FROM enfilade.session_records r"
     "   WHERE r.site_id = s.site_id AND r.session_id = s.session_id AND r.sequence < "
-    "c.first_sequence)" ENFILADE_JOIN_RESTS("sessions") " AND s.site_id = $1 AND s.session_id = c.subject"};
+    "c.first_sequence)" ENFILADE_JOIN_RESTS("sessions") ENFILADE_THESE " AND s.site_id = $1 AND s.session_id = c.subject"};
 constexpr Statement kCutRecords{"moving records",
                                 "UPDATE enfilade.session_records r SET session_id = c.target FROM " ENFILADE_CUTS
                                 " AND r.site_id = $1 AND r.session_id = c.subject AND r.sequence >= c.first_sequence"};
@@ -138,7 +148,7 @@ constexpr Statement kCutTracks{
     " FROM enfilade.rearrangement_parts c JOIN enfilade.sessions s ON s.site_id = c.site_id"
     "   AND s.session_id IN (c.subject, c.target)"
     " JOIN enfilade.slam_nodes n ON n.site_id = s.site_id AND n.session_id = s.session_id"
-    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2 AND s.map_id IS NOT NULL"
+    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2" ENFILADE_THESE " AND s.map_id IS NOT NULL"
     " GROUP BY s.site_id, s.session_id, s.map_id HAVING count(*) >= 2"
     " ON CONFLICT (site_id, session_id) DO UPDATE SET map_id = excluded.map_id, track = excluded.track"};
 constexpr Statement kDropShortTracks{
@@ -165,11 +175,11 @@ constexpr Statement kCutRobotPoses{"assigning robots' poses",
                                    " AND t.site_id = $1 AND t.session_id = c.subject"};
 
 constexpr Statement kReturnRecords{"moving records back",
-                                   "UPDATE enfilade.session_records r SET session_id = c.subject FROM " ENFILADE_CUTS
+                                   "UPDATE enfilade.session_records r SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
                                    " AND r.site_id = $1 AND r.session_id = c.target"};
 constexpr Statement kReturnRecordBlobs{
     "moving records' blobs back",
-    "UPDATE enfilade.session_record_blobs r SET session_id = c.subject FROM " ENFILADE_CUTS
+    "UPDATE enfilade.session_record_blobs r SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
     " AND r.site_id = $1 AND r.session_id = c.target"};
 constexpr Statement kReturnSubmaps{"returning submaps",
                                    "INSERT INTO enfilade.slam_submaps " ENFILADE_SUBMAP_COLUMNS
@@ -191,7 +201,7 @@ constexpr Statement kReturnClosures{
     "   jsonb_populate_record(NULL::enfilade.slam_closures, e) t WHERE r.site_id = $1 AND r.rearrangement_id = $2"
     " AND r.relation = 'closures' ON CONFLICT DO NOTHING"};
 #define ENFILADE_DROP_OF_RESTS(table) \
-  "DELETE FROM enfilade." table " t USING " ENFILADE_CUTS " AND t.site_id = $1 AND t.session_id = c.target"
+  "DELETE FROM enfilade." table " t USING " ENFILADE_ALL_CUTS " AND t.site_id = $1 AND t.session_id = c.target"
 constexpr Statement kDropRestClosures{"removing the rest's loop closures", ENFILADE_DROP_OF_RESTS("slam_closures")};
 constexpr Statement kDropRestPoints{"removing the rest's trajectory", ENFILADE_DROP_OF_RESTS("trajectory_points")};
 constexpr Statement kDropRestNodes{"removing the rest's keyframes", ENFILADE_DROP_OF_RESTS("slam_nodes")};
@@ -204,30 +214,49 @@ constexpr Statement kReturnVerdicts{
     "INSERT INTO enfilade.door_verdicts " ENFILADE_CUT_VERDICT_COLUMNS
     " SELECT t.site_id, c.subject, " ENFILADE_VERDICT_VALUES ENFILADE_JOIN_RESTS("door_verdicts")};
 constexpr Statement kReturnComparisons{
-    "returning comparisons", "UPDATE enfilade.door_comparisons t SET session_id = c.subject FROM " ENFILADE_CUTS
+    "returning comparisons", "UPDATE enfilade.door_comparisons t SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
                              " AND t.site_id = $1 AND t.session_id = c.target"};
 constexpr Statement kDropRestVerdicts{"removing the rest's verdicts", ENFILADE_DROP_OF_RESTS("door_verdicts")};
 constexpr Statement kFollowHead{"linking the sessions that follow",
-                                "UPDATE enfilade.sessions t SET previous_session_id = c.subject FROM " ENFILADE_CUTS
+                                "UPDATE enfilade.sessions t SET previous_session_id = c.subject FROM " ENFILADE_ALL_CUTS
                                 " AND t.site_id = $1 AND t.previous_session_id = c.target"};
 constexpr Statement kReturnRestRobotPoses{"assigning robots' poses",
-                                          "UPDATE enfilade.robot_poses t SET session_id = c.subject FROM " ENFILADE_CUTS
+                                          "UPDATE enfilade.robot_poses t SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
                                           " AND t.site_id = $1 AND t.session_id = c.target"};
 // Revisions name it: the row stays, as that of any deleted session.
 constexpr Statement kCloseRests{"closing the rest",
                                 "UPDATE enfilade.sessions t SET delete_time = now(), robot_id = NULL, map_id = NULL, "
-                                "purged = true FROM " ENFILADE_CUTS " AND t.site_id = $1 AND t.session_id = c.target"};
+                                "purged = true FROM " ENFILADE_ALL_CUTS " AND t.site_id = $1 AND t.session_id = c.target"};
 
-}  // namespace
+// The cuts in the order in which they are made: the last one of each session first, so that what has been cut off is
+// done. Of each round the rests.
+std::vector<std::vector<std::string_view>> RoundsOf(const std::vector<rearrange::SessionCut>& cuts) {
+  std::map<SessionId, std::map<std::int64_t, std::string_view, std::greater<>>> by_session;
+  for (const rearrange::SessionCut& cut : cuts) by_session[cut.session][cut.first_sequence] = cut.rest.value();
+  std::vector<std::vector<std::string_view>> rounds;
+  for (const auto& [session, rests] : by_session) {
+    if (rounds.size() < rests.size()) rounds.resize(rests.size());
+    auto round = rounds.begin();
+    for (const auto& [first_sequence, rest] : rests) (round++)->push_back(rest);
+  }
+  return rounds;
+}
 
-void QueueCuts(Transaction& transaction, const SiteId& site, const rearrange::RearrangementId& id) {
-  const Params key(site, id);
+void QueueRound(Transaction& transaction, const Params& key) {
   for (const Statement* statement :
        {&kInsertRest,        &kShrinkHead,        &kCutRecords,   &kCutRecordBlobs, &kCopySubmaps,     &kCopyNodes,
         &kCopyPoints,        &kCopyClosures,      &kDropClosures, &kDropPoints,     &kDropNodes,       &kDropSubmaps,
         &kCopyVerdicts,      &kCutComparisons,    &kDropVerdicts, &kFollowRest,     &kDropShortTracks, &kCutTracks,
         &kInsertCheckpoints, &kShrinkCheckpoints, &kCutRobotPoses}) {
     transaction.Queue(*statement, key);
+  }
+}
+
+}  // namespace
+
+void QueueCuts(Transaction& transaction, const SiteId& site, const RearrangementChange& change) {
+  for (const std::vector<std::string_view>& rests : RoundsOf(change.rearrangement.cuts)) {
+    QueueRound(transaction, Params(site, change.id, rests));
   }
 }
 

@@ -54,12 +54,6 @@ class RearrangementFixture : public Base {
 
   // Two keyframes in two submaps, with a closure and a track, and a raster of one tile.
   void MapSession(const SessionId& session, double seed) {
-    ASSERT_OK(Append(session, {ScanRecord(1), ScanRecord(2), ScanRecord(3)}));
-    ASSERT_OK(sessions_.Finish(Soon(), site_, session, 3));
-    const auto leased = mapping_.Acquire(Soon(), "w", std::chrono::seconds(300));
-    ASSERT_OK(leased);
-    ASSERT_TRUE(leased->has_value());
-    ASSERT_EQ((*leased)->lease.session, session);
     Eigen::Matrix3d covariance;
     covariance << 0.02, 0.001, 0.002, 0.001, 0.03, -0.001, 0.002, -0.001, 0.01;
     slam::SlamDelta delta;
@@ -69,10 +63,20 @@ class RearrangementFixture : public Base {
     delta.loop_closures.push_back(
         {0, 0, 1, {1, 0, 0}, Eigen::Matrix3d::Identity(), slam::LoopClosureState::kAccepted, 0.5, 1.0, ""});
     delta.trajectory = {{1, 10, 0, {}}, {2, 20, 0, {0.5, 0.1, 0.2}}, {3, 30, 1, {}}};
+    MapScans(session, 3, delta);
+  }
+  // A session of `scans` records, from which mapping has made `delta`.
+  void MapScans(const SessionId& session, int scans, const slam::SlamDelta& delta) {
+    for (int i = 1; i <= scans; ++i) ASSERT_OK(Append(session, {ScanRecord(i)}));
+    ASSERT_OK(sessions_.Finish(Soon(), site_, session, scans));
+    const auto leased = mapping_.Acquire(Soon(), "w", std::chrono::seconds(300));
+    ASSERT_OK(leased);
+    ASSERT_TRUE(leased->has_value());
+    ASSERT_EQ((*leased)->lease.session, session);
     storage::NewRevision revision = RevisionOf({session.value()});
     revision.session = session;
     revision.source = storage::RevisionSource::kMapping;
-    storage::MappingStep step = StepOf(delta, "checkpoint", 3);
+    storage::MappingStep step = StepOf(delta, "checkpoint", scans);
     step.revision = &revision;
     step.final_state = storage::SessionState::kMapped;
     ASSERT_OK(mapping_.Commit(Soon(), (*leased)->lease, step));

@@ -49,6 +49,14 @@ TEST(RearrangementTest, NamesWhatBreaksARule) {
   wrong = {};
   wrong.cuts = {{SessionId("s"), 1, SessionId("r")}};
   expect(wrong, "nothing would be left");
+  wrong.cuts = {{SessionId("s"), 2, SessionId("r")}, {SessionId("s"), 2, SessionId("r2")}};
+  expect(wrong, "cut twice before record 2");
+  wrong.cuts = {{SessionId("s"), 2, SessionId("r")}, {SessionId("s"), 3, SessionId("r")}};
+  expect(wrong, "\"r\" is given twice");
+  wrong.cuts = {{SessionId("S!"), 2, SessionId("r")}};
+  expect(wrong, "not a valid id");
+  wrong.cuts = {{SessionId("s"), 2, SessionId("r")}, {SessionId("s"), 3, SessionId("r2")}};
+  EXPECT_OK(Validate(wrong));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "core/graph/same_place.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/support/status_assertions.h"
 #include "tests/unit/core/survey/drawn_level.h"
 
 namespace enfilade::survey {
@@ -62,18 +63,18 @@ TEST(ArrangeMaps, AMapOfTwoRoomsIsDivided) {
   EXPECT_TRUE(Arrange(after).empty());
 }
 
-TEST(ArrangeMaps, ASessionOfManyRoomsIsCutNearItsMiddle) {
+TEST(ArrangeMaps, ASessionOfManyRoomsIsCutAtEachDoor) {
   std::vector<Eigen::Vector2d> way;
   for (int i = 0; i < 4; ++i) way.insert(way.end(), {{1.5, 1.0}, {1.5, 4.5}});  // eight stretches
   LevelSurvey survey;
   survey.drives = {MakeDrive({{"s", "a", {}, way}})};
   survey.maps = {{.id = MapId("a"), .root = true}};
   const auto new_id = NumberedIds();
-  for (const std::size_t cuts : {1U, 2U, 3U, 1U, 0U}) {
-    const rearrange::Rearrangement change = ArrangeMaps(survey, Corridor(), {}, new_id);
-    EXPECT_THAT(change.cuts, SizeIs(cuts));
-    survey = After(survey, change);
-  }
+  const rearrange::Rearrangement change = ArrangeMaps(survey, Corridor(), {}, new_id);
+  ASSERT_THAT(change.cuts, SizeIs(7));
+  EXPECT_OK(rearrange::Validate(change));
+  for (const rearrange::SessionCut& cut : change.cuts) EXPECT_EQ(cut.session, SessionId("s"));
+  survey = After(survey, change);
   EXPECT_THAT(survey.drives[0], SizeIs(8));
   EXPECT_THAT(survey.maps, SizeIs(2));
   EXPECT_TRUE(ArrangeMaps(survey, Corridor(), {}, new_id).empty());

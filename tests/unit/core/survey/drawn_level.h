@@ -105,7 +105,9 @@ inline LevelSurvey After(const LevelSurvey& before, const rearrange::Rearrangeme
   for (const rearrange::MapSeed& seed : change.new_maps) {
     after.maps.push_back({.id = seed.id, .environment = seed.environment, .slam_profile = seed.slam_profile});
   }
-  for (const rearrange::SessionCut& cut : change.cuts) {
+  std::vector<rearrange::SessionCut> cuts = change.cuts;  // the last one of each session first
+  std::sort(cuts.begin(), cuts.end(), [](const auto& a, const auto& b) { return a.first_sequence > b.first_sequence; });
+  for (const rearrange::SessionCut& cut : cuts) {
     for (Drive& drive : after.drives) {
       for (std::size_t i = 0; i < drive.size(); ++i) {
         if (drive[i].id != cut.session) continue;
