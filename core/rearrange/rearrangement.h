@@ -15,8 +15,8 @@ namespace enfilade::rearrange {
 
 using RearrangementId = Id<struct RearrangementTag>;
 
-// A session whose drive covers several rooms is cut: its records from `first_sequence` on, up to its next cut, become the
-// session `rest`, a new id. The rest begins in the map of `session`; a SessionMove takes it elsewhere.
+// A session whose drive covers several rooms is cut: its records from `first_sequence` on, up to its next cut, become
+// the session `rest`, a new id. The rest begins in the map of `session`; a SessionMove takes it elsewhere.
 struct SessionCut {
   SessionId session = {};
   std::int64_t first_sequence = 0;  // within the log: neither its first record nor behind its last one
@@ -58,8 +58,8 @@ struct MapSeed {
 };
 
 // What is to be done so that a site's maps are its rooms: decided purely, applied in one transaction
-// (storage::RearrangementStore), in the order of the members. One session occurs in at most one move, one map in at most
-// one redirect, and no redirect leads to a map that is itself redirected here.
+// (storage::RearrangementStore), in the order of the members. One session occurs in at most one move, one map in at
+// most one redirect, and no redirect leads to a map that is itself redirected here.
 struct Rearrangement {
   std::vector<MapSeed> new_maps = {};
   std::vector<SessionCut> cuts = {};

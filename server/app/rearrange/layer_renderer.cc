@@ -24,8 +24,8 @@ const slam::SlamOptions& ProfileOf(const slam::SlamProfiles& profiles, const std
                                                              : slam::SlamProfiles::kIndoor);
 }
 
-// The submaps with keyframes from record `first` to the one before `end`, and those without any (the existing map that a
-// session continued) with the first ones.
+// The submaps with keyframes from record `first` to the one before `end`, and those without any (the existing map that
+// a session continued) with the first ones.
 slam::SlamMap SubmapsOf(const slam::SlamMap& map, std::int64_t first, std::int64_t end) {
   std::set<std::int64_t> used, kept;
   for (const auto& [id, node] : map.nodes) {

@@ -52,7 +52,8 @@ constexpr Statement kInsertRest{
     " recorded_sequence, skipped_records)"
     " SELECT t.site_id, c.target, t.robot_id, t.map_id, t.state, t.acknowledged_sequence, t.highest_sequence, n.scans,"
     "   n.odometry, n.images, n.clouds, n.withheld, n.doors, n.bytes, n.first_time, n.last_time,"
-    "   t.create_time + (c.first_sequence - t.skipped_records) * interval '1 microsecond', t.finish_time, t.session_id, t.doors_judged,"
+    "   t.create_time + (c.first_sequence - t.skipped_records) * interval '1 microsecond', t.finish_time, "
+    "t.session_id, t.doors_judged,"
     "   coalesce(t.cut_from_session_id, t.session_id), t.highest_sequence, c.first_sequence - 1"
     " FROM enfilade.rearrangement_parts c JOIN enfilade.sessions t ON t.site_id = c.site_id AND t.session_id = "
     "c.subject"
@@ -73,7 +74,8 @@ constexpr Statement kShrinkHead{
     " door_reports = s.door_reports - t.door_reports, payload_bytes = greatest(0, s.payload_bytes - t.payload_bytes),"
     " last_time_ns = (SELECT max(r.time_ns) FILTER (WHERE kind <> 5) FROM enfilade.session_records r"
     "   WHERE r.site_id = s.site_id AND r.session_id = s.session_id AND r.sequence < "
-    "c.first_sequence)" ENFILADE_JOIN_RESTS("sessions") ENFILADE_THESE " AND s.site_id = $1 AND s.session_id = c.subject"};
+    "c.first_sequence)" ENFILADE_JOIN_RESTS("sessions") ENFILADE_THESE
+    " AND s.site_id = $1 AND s.session_id = c.subject"};
 constexpr Statement kCutRecords{"moving records",
                                 "UPDATE enfilade.session_records r SET session_id = c.target FROM " ENFILADE_CUTS
                                 " AND r.site_id = $1 AND r.session_id = c.subject AND r.sequence >= c.first_sequence"};
@@ -148,7 +150,8 @@ constexpr Statement kCutTracks{
     " FROM enfilade.rearrangement_parts c JOIN enfilade.sessions s ON s.site_id = c.site_id"
     "   AND s.session_id IN (c.subject, c.target)"
     " JOIN enfilade.slam_nodes n ON n.site_id = s.site_id AND n.session_id = s.session_id"
-    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2" ENFILADE_THESE " AND s.map_id IS NOT NULL"
+    " WHERE c.site_id = $1 AND c.rearrangement_id = $2 AND c.kind = 2" ENFILADE_THESE
+    " AND s.map_id IS NOT NULL"
     " GROUP BY s.site_id, s.session_id, s.map_id HAVING count(*) >= 2"
     " ON CONFLICT (site_id, session_id) DO UPDATE SET map_id = excluded.map_id, track = excluded.track"};
 constexpr Statement kDropShortTracks{
@@ -174,9 +177,9 @@ constexpr Statement kCutRobotPoses{"assigning robots' poses",
                                    "UPDATE enfilade.robot_poses t SET session_id = c.target FROM " ENFILADE_CUTS
                                    " AND t.site_id = $1 AND t.session_id = c.subject"};
 
-constexpr Statement kReturnRecords{"moving records back",
-                                   "UPDATE enfilade.session_records r SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
-                                   " AND r.site_id = $1 AND r.session_id = c.target"};
+constexpr Statement kReturnRecords{
+    "moving records back", "UPDATE enfilade.session_records r SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
+                           " AND r.site_id = $1 AND r.session_id = c.target"};
 constexpr Statement kReturnRecordBlobs{
     "moving records' blobs back",
     "UPDATE enfilade.session_record_blobs r SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
@@ -220,13 +223,14 @@ constexpr Statement kDropRestVerdicts{"removing the rest's verdicts", ENFILADE_D
 constexpr Statement kFollowHead{"linking the sessions that follow",
                                 "UPDATE enfilade.sessions t SET previous_session_id = c.subject FROM " ENFILADE_ALL_CUTS
                                 " AND t.site_id = $1 AND t.previous_session_id = c.target"};
-constexpr Statement kReturnRestRobotPoses{"assigning robots' poses",
-                                          "UPDATE enfilade.robot_poses t SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
-                                          " AND t.site_id = $1 AND t.session_id = c.target"};
+constexpr Statement kReturnRestRobotPoses{
+    "assigning robots' poses", "UPDATE enfilade.robot_poses t SET session_id = c.subject FROM " ENFILADE_ALL_CUTS
+                               " AND t.site_id = $1 AND t.session_id = c.target"};
 // Revisions name it: the row stays, as that of any deleted session.
 constexpr Statement kCloseRests{"closing the rest",
                                 "UPDATE enfilade.sessions t SET delete_time = now(), robot_id = NULL, map_id = NULL, "
-                                "purged = true FROM " ENFILADE_ALL_CUTS " AND t.site_id = $1 AND t.session_id = c.target"};
+                                "purged = true FROM " ENFILADE_ALL_CUTS
+                                " AND t.site_id = $1 AND t.session_id = c.target"};
 
 // The cuts in the order in which they are made: the last one of each session first, so that what has been cut off is
 // done. Of each round the rests.

@@ -8,8 +8,8 @@
 
 namespace enfilade::storage::postgres {
 
-// Cuts sessions within a rearrangement whose parts are stored and checked. Each rest becomes a session of its own with its
-// records, keyframes, submaps (one with keyframes on both sides is in both), trajectory, verdicts, and loop
+// Cuts sessions within a rearrangement whose parts are stored and checked. Each rest becomes a session of its own with
+// its records, keyframes, submaps (one with keyframes on both sides is in both), trajectory, verdicts, and loop
 // closures (those across the cut are dropped). Sequences and ids of rows stay. Queued only.
 void QueueCuts(Transaction& transaction, const SiteId& site, const RearrangementChange& change);
 // Takes the rests back, before the images are restored. Their sessions count as deleted. Queued only.

@@ -164,6 +164,29 @@ TEST_F(RearrangementRowsTest, ACutDividesVerdictsAndUndoingItReturnsThem) {
   EXPECT_EQ(AllRows(), before);
 }
 
+TEST_F(RearrangementRowsTest, UndoingTwoCutsOfASessionRestoresEveryRow) {
+  database_.Sql(
+      "INSERT INTO slam_nodes (site_id, session_id, node_id, sequence, time_ns, x, y, yaw, covariance, submap_id)"
+      " SELECT site_id, session_id, 7, 2, 20, x, y, yaw, covariance, submap_id FROM slam_nodes"
+      " WHERE session_id = 's2' AND node_id = 0");
+  database_.Sql("UPDATE trajectory_points SET node_id = 7 WHERE session_id = 's2' AND sequence = 2");
+  database_.Sql(
+      "INSERT INTO door_verdicts (site_id, session_id, sequence, decision, evidence, reason, graph_version)"
+      " VALUES ('campus', 's2', 2, 2, '{1}', '', 1), ('campus', 's2', 3, 2, '{1}', '', 1)");
+  const std::string before = AllRows();
+  storage::RearrangementChange change = Cut();
+  change.rearrangement.cuts.push_back({s2_, 3, SessionId("s2c")});
+  ASSERT_OK(store_.Apply(Soon(), lease_, change));
+  EXPECT_THAT(database_.Sql("SELECT session_id || sequence FROM door_verdicts WHERE session_id LIKE 's2%' ORDER BY 1"),
+              ElementsAre("s2b2", "s2c3"));
+  EXPECT_THAT(database_.Sql("SELECT session_id || sequence FROM slam_nodes WHERE session_id LIKE 's2%' ORDER BY 1"),
+              ElementsAre("s21", "s2b2", "s2c3"));
+  ASSERT_OK(store_.Undo(Soon(), lease_, rearrange::RearrangementId("cut")));
+  database_.Sql("DELETE FROM map_layers WHERE map_id = 'annex'");
+  database_.Sql("DELETE FROM maps WHERE map_id = 'annex'");
+  EXPECT_EQ(AllRows(), before);
+}
+
 TEST_F(RearrangementRowsTest, ASubmapWithKeyframesOnBothSidesIsInBoth) {
   database_.Sql("UPDATE slam_nodes SET submap_id = 0 WHERE session_id = 's2'");
   ASSERT_OK(store_.Apply(Soon(), lease_, Cut()));

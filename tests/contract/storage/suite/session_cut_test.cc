@@ -102,8 +102,8 @@ class SeveralCutsTest : public SessionCutTest {
                    {2, 4, 40, {4, 0, 0}, covariance, 1},
                    {3, 5, 50, {5, 0, 0}, covariance, 1}};
     for (const auto& [id, submap, node] : {std::array{0, 0, 1}, std::array{1, 0, 3}, std::array{2, 1, 3}}) {
-      delta.loop_closures.push_back({id, submap, node, {1, 0, 0}, Eigen::Matrix3d::Identity(),
-                                     slam::LoopClosureState::kAccepted, 0.5, 1.0, ""});
+      delta.loop_closures.push_back(
+          {id, submap, node, {1, 0, 0}, Eigen::Matrix3d::Identity(), slam::LoopClosureState::kAccepted, 0.5, 1.0, ""});
     }
     delta.trajectory = {{1, 10, 0, {}}, {2, 20, 1, {}}, {3, 30, 1, {0.5, 0, 0}}, {4, 40, 2, {}}, {5, 50, 3, {}}};
     MapScans(long_, 5, delta);
