@@ -47,8 +47,10 @@ std::vector<LineSides> SidesOf(const std::vector<DoorLine>& lines) {
 
 TEST(Surroundings, DoorsThatAreClosedMakeACorridorNoWider) {
   const grid::GridGeometry& geometry = Corridor().grid.geometry;
-  for (const LineSide& side : SidesOf(LinesOf(geometry, -1.0))[0]) EXPECT_LT(side.wider, 0.3);
-  for (const LineSide& side : SidesOf(LinesOf(geometry, 1.0))[0]) EXPECT_GT(side.wider, 1.5);
+  const LineSides closed = SidesOf(LinesOf(geometry, -1.0)).front();
+  for (const LineSide& side : closed) EXPECT_LT(side.wider, 0.3);
+  const LineSides open = SidesOf(LinesOf(geometry, 1.0)).front();
+  for (const LineSide& side : open) EXPECT_GT(side.wider, 1.5);
 }
 
 TEST(Surroundings, AreThoseOfTheRegionsBesideALine) {
