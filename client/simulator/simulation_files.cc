@@ -9,6 +9,7 @@
 #include "client/simulator/campus/building_campus.h"
 #include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/campus/random_building.h"
+#include "client/simulator/campus/random_suites.h"
 #include "client/simulator/campus/shipped_campuses.h"
 #include "client/sources/formats/json_lines_writer.h"
 #include "core/base/error.h"
@@ -92,16 +93,26 @@ absl::StatusOr<Campus> ReadBuilding(const std::string& text) {
   return CampusOf(building);
 }
 
+absl::StatusOr<std::uint64_t> SeedOfName(const std::string& name, std::string_view kind) {
+  std::uint64_t seed = 0;
+  const char* end = name.data() + name.size();
+  const auto [parsed, error] = std::from_chars(name.data() + kind.size(), end, seed);
+  if (error != std::errc() || parsed != end) return InvalidArgument("\"{}\": expected {}SEED", name, kind);
+  return seed;
+}
+
 }  // namespace
 
 absl::StatusOr<Campus> LoadCampus(const std::string& name) {
   constexpr std::string_view kRandom = "random:";
+  constexpr std::string_view kSuites = "suites:";
   if (name.starts_with(kRandom)) {
-    std::uint64_t seed = 0;
-    const char* end = name.data() + name.size();
-    const auto [parsed, error] = std::from_chars(name.data() + kRandom.size(), end, seed);
-    if (error != std::errc() || parsed != end) return InvalidArgument("\"{}\": expected random:SEED", name);
+    ENFILADE_ASSIGN_OR_RETURN(const std::uint64_t seed, SeedOfName(name, kRandom));
     return RandomBuilding(seed);
+  }
+  if (name.starts_with(kSuites)) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::uint64_t seed, SeedOfName(name, kSuites));
+    return RandomSuites(seed);
   }
   if (!fs::is_regular_file(name)) return ShippedCampus(name);
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(name));

@@ -32,32 +32,30 @@ struct Options {
   std::vector<std::string> settings;  // of the server
 };
 
-// random:8001-8050 is fifty campuses; everything else is one.
+// random:8001-8050 is fifty campuses, suites:1-9 nine; everything else is one.
 std::vector<std::string> Expand(const std::string& campus) {
-  const std::string random = "random:";
   const std::size_t dash = campus.rfind('-');
-  if (!campus.starts_with(random) || dash == std::string::npos) return {campus};
+  const std::size_t seeds = campus.find(':') + 1;
+  const std::string kind = campus.substr(0, seeds);
+  if ((kind != "random:" && kind != "suites:") || dash == std::string::npos) return {campus};
   const auto number = [&](std::size_t begin, std::size_t end) {
     const std::string text = campus.substr(begin, end - begin);
     if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos) {
-      throw CLI::ValidationError("--campus", campus + ": expected random:SEED or random:FIRST-LAST");
+      throw CLI::ValidationError("--campus", fmt::format("{0}: expected {1}SEED or {1}FIRST-LAST", campus, kind));
     }
     return std::stoull(text);
   };
   const std::uint64_t last = number(dash + 1, campus.size());
   std::vector<std::string> campuses;
-  for (std::uint64_t seed = number(random.size(), dash); seed <= last; ++seed) {
-    campuses.push_back(random + std::to_string(seed));
-  }
+  for (std::uint64_t seed = number(seeds, dash); seed <= last; ++seed) campuses.push_back(kind + std::to_string(seed));
   if (campuses.empty()) throw CLI::ValidationError("--campus", campus + ": the last is before the first");
   return campuses;
 }
 
 void AddOptions(CLI::App& app, Options& options) {
-  app.add_option(
-         "--campus", options.campuses,
-         "Campuses, comma-separated: figure1, lookalike, levels, random:SEED, random:FIRST-LAST, a file (YAML), "
-         "NAME.building.yaml of Open-RMF")
+  app.add_option("--campus", options.campuses,
+                 "Campuses, comma-separated: figure1, lookalike, levels, random:SEED, random:FIRST-LAST, suites:SEED, "
+                 "suites:FIRST-LAST, a file (YAML), NAME.building.yaml of Open-RMF")
       ->delimiter(',');
   app.add_option("--seeds", options.seeds, "Seeds of noise, each a run of its own")
       ->check(CLI::PositiveNumber)

@@ -28,6 +28,8 @@ TEST(CampusSeeds, BadOptionsAreNamed) {
   EXPECT_EQ(range.exit_code, 2);
   EXPECT_THAT(range.output, HasSubstr("the last is before the first"));
   EXPECT_EQ(RunCampusSeeds({"--campus", "random:a-b"}).exit_code, 2);
+  EXPECT_THAT(RunCampusSeeds({"--campus", "suites:a-b"}).output,
+              HasSubstr("expected suites:SEED or suites:FIRST-LAST"));
   EXPECT_EQ(RunCampusSeeds({"--delay", "soon"}).exit_code, 2);
   EXPECT_EQ(RunCampusSeeds({"--seeds", "0"}).exit_code, 2);
   EXPECT_EQ(RunCampusSeeds({"--relations", "/none"}).exit_code, 2);

@@ -185,9 +185,9 @@ void AddSimulate(CLI::App& app, const Globals& globals) {
       });
   command->alias("sim");  // deprecated: its former name
   command->add_option("CAMPUS", options->campus,
-                      fmt::format("A YAML file (docs/simulator.md), random:SEED, NAME.building.yaml of Open-RMF, or "
-                                  "one of: {}. Without it: a short "
-                                  "drive of one robot through three rooms (270 degrees, 12 m), as one log file",
+                      fmt::format("A YAML file (docs/simulator.md), random:SEED, suites:SEED, NAME.building.yaml of "
+                                  "Open-RMF, or one of: {}. Without it: a short drive of one robot through three rooms "
+                                  "(270 degrees, 12 m), as one log file",
                                   fmt::join(simulator::ShippedCampusNames(), ", ")));
   command
       ->add_option("-o,--output", options->output,

@@ -41,6 +41,8 @@ TEST(LoadCampus, FindsFilesShippedCampusesAndRandomBuildings) {
   EXPECT_EQ(shipped.name, "rooms");
   ASSERT_OK_AND_ASSIGN(const Campus random, LoadCampus("random:18446744073709551615"));
   EXPECT_EQ(random.name, "random-18446744073709551615");
+  ASSERT_OK_AND_ASSIGN(const Campus suites, LoadCampus("suites:7"));
+  EXPECT_EQ(suites.name, "suites-7");
 }
 
 TEST(LoadCampus, NamesWhatIsWrong) {
@@ -53,6 +55,7 @@ TEST(LoadCampus, NamesWhatIsWrong) {
   for (const char* name : {"random:", "random:x", "random:1x", "random:-1", "random:99999999999999999999"}) {
     EXPECT_STATUS(LoadCampus(name), absl::StatusCode::kInvalidArgument, HasSubstr("expected random:SEED")) << name;
   }
+  EXPECT_STATUS(LoadCampus("suites:x"), absl::StatusCode::kInvalidArgument, HasSubstr("expected suites:SEED"));
 }
 
 class WriteDriveTest : public ::testing::Test {
