@@ -126,7 +126,29 @@ absl::Status Agent::Add(const SpoolItem& item) {
   return AddValid(adjusted);
 }
 
+// What may not continue what was before is held back until that is known.
 absl::Status Agent::AddValid(const SpoolItem& item) {
+  if (const auto* odometry = std::get_if<sensor::Odometry>(&item.payload)) odometry_ = *odometry;
+  if (const auto* scan = std::get_if<sensor::LaserScan>(&item.payload); scan != nullptr && odometry_) {
+    if (const auto broken = continuity_.Add(*scan, odometry_->T_odom_robot)) {
+      counts_.ignored += static_cast<std::int64_t>(std::exchange(held_, {}).size());
+      ENFILADE_RETURN_IF_ERROR(Handle(Interrupted{*broken}));
+    }
+  }
+  if (setup_.options.automatic && recording() && continuity_.suspicious()) {
+    held_.push_back(item);
+    return absl::OkStatus();
+  }
+  ENFILADE_RETURN_IF_ERROR(ReleaseHeld());
+  return Take(item);
+}
+
+absl::Status Agent::ReleaseHeld() {
+  for (const SpoolItem& item : std::exchange(held_, {})) ENFILADE_RETURN_IF_ERROR(Take(item));
+  return absl::OkStatus();
+}
+
+absl::Status Agent::Take(const SpoolItem& item) {
   if (std::holds_alternative<sensor::LaserScan>(item.payload)) return AddScan(item);
   if (std::holds_alternative<sensor::Odometry>(item.payload)) return AddOdometry(item);
   if (std::holds_alternative<sensor::Image>(item.payload) || std::holds_alternative<sensor::PointCloud>(item.payload)) {
@@ -137,10 +159,6 @@ absl::Status Agent::AddValid(const SpoolItem& item) {
 }
 
 absl::Status Agent::AddScan(const SpoolItem& item) {
-  if (odometry_) {
-    const auto broken = continuity_.Add(std::get<sensor::LaserScan>(item.payload), odometry_->T_odom_robot);
-    if (broken) ENFILADE_RETURN_IF_ERROR(Handle(Interrupted{*broken}));
-  }
   if (to_begin_ && (!to_begin_->when_settled || continuity_.settled())) {
     ENFILADE_RETURN_IF_ERROR(BeginWithScan(item));
   }
@@ -212,6 +230,7 @@ void Agent::ReportPose(const PoseReport& report) {
 }
 
 absl::Status Agent::Finish() {
+  ENFILADE_RETURN_IF_ERROR(ReleaseHeld());
   std::vector<sensor::PairedScan> settled;
   pairing_.Flush(settled);
   ENFILADE_RETURN_IF_ERROR(AddPairedScans(settled));

@@ -98,6 +98,8 @@ class Agent {
 
   absl::Status Handle(const Event& event);
   absl::Status AddValid(const client::SpoolItem& item);
+  absl::Status ReleaseHeld();
+  absl::Status Take(const client::SpoolItem& item);
   absl::Status AddScan(const client::SpoolItem& item);
   absl::Status AddOdometry(const client::SpoolItem& item);
   absl::Status AddPairedScans(std::vector<sensor::PairedScan>& scans);
@@ -148,6 +150,7 @@ class Agent {
   sensor::ScanPairing pairing_;
   doors::DoorDetector detector_;
   Continuity continuity_;
+  std::vector<client::SpoolItem> held_;  // since the first of the last scans that do not continue those before
   RecordClock clock_;
   EvidenceBuffer evidence_;
   EnvironmentClassifier classifier_;

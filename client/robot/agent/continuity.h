@@ -39,6 +39,8 @@ class Continuity {
   // In order of time. Why this scan does not continue those before; unset: it does. After a break, the next one is
   // found only once the robot is settled.
   std::optional<std::string> Add(const sensor::LaserScan& scan, const Pose2& T_odom_robot);
+  // The last scan contradicts those before, or the last few do: whether the robot was carried is not known yet.
+  bool suspicious() const { return suspect_ > 0; }
   // The last scans see walls and agree with each other.
   bool settled() const { return agreeing_ >= options_.scans; }
 

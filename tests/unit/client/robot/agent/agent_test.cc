@@ -93,14 +93,14 @@ class AgentTest : public ::testing::Test {
   static SpoolItem OdometryAt(double seconds, double x) {
     return {sensor::Odometry{static_cast<TimeNs>(seconds * 1e9), {x, 0.0, 0.0}}, {}};
   }
-  static SpoolItem ScanAt(double seconds) {
+  static SpoolItem ScanAt(double seconds, float range = 4.0F, int beams = 90) {
     sensor::LaserScan scan;
     scan.time = static_cast<TimeNs>(seconds * 1e9);
     scan.angle_min = -M_PI;
-    scan.angle_increment = 2.0 * M_PI / 90.0;
+    scan.angle_increment = 2.0 * M_PI / beams;
     scan.range_min = 0.1F;
     scan.range_max = 30.0F;
-    scan.ranges.assign(90, 4.0F);
+    scan.ranges.assign(static_cast<std::size_t>(beams), range);
     return {scan, {}};
   }
   // The robot stands in a round room for `seconds`.
@@ -126,6 +126,68 @@ class AgentTest : public ::testing::Test {
 int CountOf(const std::vector<sensor::Record>& records, sensor::RecordKind kind) {
   return static_cast<int>(std::count_if(records.begin(), records.end(),
                                         [&](const sensor::Record& record) { return sensor::KindOf(record) == kind; }));
+}
+
+class CarriedTest : public AgentTest {
+ protected:
+  CarriedTest() {
+    RobotOptions options;
+    options.spool.wait_when_full = false;  // nobody answers where the robot is
+    EXPECT_OK(MakeAgent(options));
+    EXPECT_OK(agent_->Start());
+  }
+  // Ten scans a second in a round room of that radius, while odometry says that the robot moves slowly.
+  void See(int scans, float radius) {
+    for (int i = 0; i < scans; ++i) {
+      time_ += 0.1;
+      ASSERT_OK(agent_->Add(OdometryAt(time_, 0.05 * time_)));
+      ASSERT_OK(agent_->Add(ScanAt(time_, radius, 360)));
+    }
+  }
+  // The ranges of the scans of each session, one a scan.
+  std::vector<std::vector<float>> Recorded() {
+    EXPECT_OK(agent_->Finish());
+    std::vector<std::vector<float>> sessions;
+    for (const SpoolSession& session : spool_->ListSessions()) {
+      std::vector<float>& ranges = sessions.emplace_back();
+      TimeNs last = 0;
+      for (const sensor::Record& record : RecordsOf(session.id)) {
+        EXPECT_GE(sensor::TimeOf(record.payload), last) << "in order";
+        last = sensor::TimeOf(record.payload);
+        if (const auto* scan = std::get_if<sensor::LaserScan>(&record.payload)) ranges.push_back(scan->ranges[0]);
+      }
+    }
+    return sessions;
+  }
+  double time_ = 0.0;
+};
+
+TEST_F(CarriedTest, NothingOfWhatContradictsIsRecorded) {
+  See(60, 4.0F);
+  See(20, 1.0F);
+  const std::vector<std::vector<float>> sessions = Recorded();
+  ASSERT_EQ(sessions.size(), 2U);
+  EXPECT_THAT(sessions[0], ::testing::Each(4.0F));
+  EXPECT_EQ(sessions[0].size(), 60U);
+  EXPECT_THAT(sessions[1], ::testing::Each(1.0F));
+}
+
+TEST_F(CarriedTest, AFewOddScansAreRecordedInTheirPlaces) {
+  See(60, 4.0F);
+  See(3, 1.0F);
+  See(10, 4.0F);
+  const std::vector<std::vector<float>> sessions = Recorded();
+  ASSERT_EQ(sessions.size(), 1U);
+  ASSERT_EQ(sessions[0].size(), 73U);
+  EXPECT_EQ(std::count(sessions[0].begin() + 60, sessions[0].begin() + 63, 1.0F), 3);
+}
+
+TEST_F(CarriedTest, OddScansAtTheEndAreRecorded) {
+  See(60, 4.0F);
+  See(2, 1.0F);
+  const std::vector<std::vector<float>> sessions = Recorded();
+  ASSERT_EQ(sessions.size(), 1U);
+  EXPECT_EQ(sessions[0].size(), 62U);
 }
 
 // The whole drive without a server: everything is in the spool.

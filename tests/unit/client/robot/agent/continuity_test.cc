@@ -64,6 +64,7 @@ TEST_F(ContinuityTest, ARobotThatIsCarriedWhileOdometryStandsStillIsNoticed) {
   ASSERT_TRUE(broken);
   EXPECT_THAT(*broken, HasSubstr("carried"));
   EXPECT_TRUE(continuity_.settled()) << "it drives again";
+  EXPECT_FALSE(continuity_.suspicious()) << "it is known";
   EXPECT_FALSE(Drive(room_, {{6.0, 3.3, 1.6}, {6.0, 2.6, 1.6}})) << "once";
 }
 
