@@ -126,7 +126,8 @@ absl::Status Agent::Add(const SpoolItem& item) {
   return AddValid(adjusted);
 }
 
-// What may not continue what was before is held back until that is known.
+// What may not continue what was before is held back until that is known. Continuity needs the newest odometry, held or
+// not; once it is taken, AddOdometry sets it again, in its turn.
 absl::Status Agent::AddValid(const SpoolItem& item) {
   if (const auto* odometry = std::get_if<sensor::Odometry>(&item.payload)) odometry_ = *odometry;
   if (const auto* scan = std::get_if<sensor::LaserScan>(&item.payload); scan != nullptr && odometry_) {
