@@ -32,10 +32,12 @@ WAYS = {
     "an edit_version goes back":
         f"UPDATE map_revisions SET edit_version = edit_version - 1 WHERE {OF_MAP} AND source <> 3 AND edit_version > 0"
         " RETURNING 1",
+    # Not one that is a layer, too: the database would refuse that.
     "a revision is gone":
-        f"DELETE FROM map_revisions WHERE {OF_MAP} AND source = 1 AND revision = (SELECT min(revision)"
-        f" FROM map_revisions WHERE {OF_MAP} AND source = 1) AND revision < (SELECT max(revision) FROM map_revisions"
-        f" WHERE {OF_MAP}) RETURNING 1",
+        f"DELETE FROM map_revisions WHERE {OF_MAP} AND revision = (SELECT min(r.revision) FROM map_revisions r WHERE"
+        " r.site_id = :'site' AND r.map_id = 'm' AND r.source = 1 AND NOT EXISTS (SELECT FROM map_layers l WHERE"
+        " (l.site_id, l.map_id, l.revision) = (r.site_id, r.map_id, r.revision))) AND revision < (SELECT max(revision)"
+        f" FROM map_revisions WHERE {OF_MAP}) RETURNING 1",
     "a deleted map is still there": "",
 }
 TRIES = 12
