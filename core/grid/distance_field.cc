@@ -15,18 +15,22 @@ std::size_t IndexOf(int width, int column, int row) {
 // The row of the nearest marked cell in each column, kFar away if there is none.
 std::vector<std::int32_t> NearestInColumns(int width, int height, const std::vector<std::uint8_t>& marked) {
   std::vector<std::int32_t> rows(marked.size());
-  for (int column = 0; column < width; ++column) {
-    auto last = static_cast<std::int32_t>(-kFar);
-    for (int row = 0; row < height; ++row) {
-      const std::size_t cell = IndexOf(width, column, row);
-      if (marked[cell] != 0) last = row;
-      rows[cell] = last;
+  const auto columns = static_cast<std::size_t>(width);
+  std::vector<std::int32_t> last(columns, static_cast<std::int32_t>(-kFar));  // in each column; rows lie together
+  for (int row = 0; row < height; ++row) {
+    const std::size_t first = IndexOf(width, 0, row);
+    for (std::size_t i = 0; i < columns; ++i) {
+      if (marked[first + i] != 0) last[i] = row;
+      rows[first + i] = last[i];
     }
-    last = static_cast<std::int32_t>(kFar) + height;
-    for (int row = height - 1; row >= 0; --row) {
-      std::int32_t& best = rows[IndexOf(width, column, row)];
-      if (best == row) last = row;
-      if (last - row < row - best) best = last;
+  }
+  last.assign(columns, static_cast<std::int32_t>(kFar) + height);
+  for (int row = height - 1; row >= 0; --row) {
+    const std::size_t first = IndexOf(width, 0, row);
+    for (std::size_t i = 0; i < columns; ++i) {
+      std::int32_t& best = rows[first + i];
+      if (best == row) last[i] = row;
+      if (last[i] - row < row - best) best = last[i];
     }
   }
   return rows;

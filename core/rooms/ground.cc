@@ -217,15 +217,20 @@ void MeasureDirections(GroundMap& ground) {
       if (ground.cells[ground.index(column, row)] != Ground::kWall) continue;
       double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
       for (int dy = -reach; dy <= reach; ++dy) {
-        for (int dx = -reach; dx <= reach; ++dx) {
-          if (ground.cells[ground.index(column + dx, row + dy)] != Ground::kWall) continue;
-          n += 1.0;
-          x += dx;
-          y += dy;
-          xx += dx * dx;
-          xy += dx * dy;
-          yy += dy * dy;
+        const Ground* const cells = &ground.cells[ground.index(column, row + dy)];
+        int walls = 0, along = 0, squares = 0;
+        for (int dx = -reach; dx <= reach; ++dx) {  // without a branch: this is most of the work
+          const int wall = cells[dx] == Ground::kWall ? 1 : 0;
+          walls += wall;
+          along += wall * dx;
+          squares += wall * dx * dx;
         }
+        n += walls;
+        x += along;
+        y += walls * dy;
+        xx += squares;
+        xy += along * dy;
+        yy += walls * dy * dy;
       }
       const double vx = xx / n - x * x / (n * n);
       const double vy = yy / n - y * y / (n * n);

@@ -110,7 +110,7 @@ void LastPass::FindPairs(const MapperState& state) {
 std::vector<LoopClosure> LastPass::Try(const MapperState& state, const UnjoinedPair& pair, SubmapCache& cache) const {
   const FinishedSubmap& earlier = state.finished.at(pair.earlier);
   const FinishedSubmap& later = state.finished.at(pair.later);
-  const std::vector<Eigen::Vector2d> points = cache.Get(pair.later, later).grid.OccupiedPoints();
+  const std::vector<Eigen::Vector2d> points = cache.GetGrid(pair.later, later).OccupiedPoints();
   const LoopCandidate candidate = CandidateOf(pair, options_.loop);
   std::vector<LoopClosure> closures;
   for (const SubmapNode& node : SelectKeyframes(earlier, later, options_.loop.min_agreeing_length)) {

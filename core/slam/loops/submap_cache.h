@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <list>
 
@@ -10,15 +11,17 @@
 
 namespace enfilade::slam {
 
-// The submaps last used by loop closing, decompressed, with their pyramids: at most `loop.cached_submaps`. The result
-// of Get depends on the submap only, not on earlier calls.
+// The submaps last used by loop closing, decompressed, with their pyramids: at most `loop.cached_submaps`; and, without
+// pyramids, at most `grids` grids. What is returned depends on the submap only, not on earlier calls, and is valid
+// until the next one. `submap.content` must be valid: finished by this program, or checked when restored.
 class SubmapCache {
  public:
-  explicit SubmapCache(const SlamOptions& options) : options_(options) {}
+  explicit SubmapCache(const SlamOptions& options, std::size_t grids = 1) : options_(options), most_grids_(grids) {}
 
-  // `submap.content` must be valid: finished by this program, or checked when restored. The reference is valid until
-  // the next call.
   const SearchableSubmap& Get(std::int64_t id, const FinishedSubmap& submap);
+  const SubmapGrid& GetGrid(std::int64_t id, const FinishedSubmap& submap);
+  // A submap's grid that is decompressed already.
+  const SubmapGrid& Put(std::int64_t id, SubmapGrid grid);
 
   // Bytes of memory held.
   std::size_t bytes() const;
@@ -28,9 +31,15 @@ class SubmapCache {
     std::int64_t id = 0;
     SearchableSubmap submap;
   };
+  struct Grid {
+    std::int64_t id = 0;
+    SubmapGrid grid;
+  };
 
   SlamOptions options_;
+  std::size_t most_grids_;
   std::list<Entry> entries_;  // most recently used first
+  std::list<Grid> grids_;     // the same
 };
 
 }  // namespace enfilade::slam

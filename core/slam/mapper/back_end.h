@@ -16,7 +16,8 @@ namespace enfilade::slam {
 // belongs to one growing state.
 class BackEnd {
  public:
-  explicit BackEnd(const SlamOptions& options) : options_(options), cache_(options) {}
+  // `grids`: those that `submaps` keeps.
+  explicit BackEnd(const SlamOptions& options, std::size_t grids = 1) : options_(options), cache_(options, grids) {}
 
   // Looks for the keyframe in earlier submaps, and solves the graph if that is due.
   void CloseLoops(const SlamNode& node, const grid::ScanRays& rays, MapperState& state);
@@ -26,6 +27,8 @@ class BackEnd {
   void Finish(bool join, MapperState& state);
 
   DeltaTracker& changes() { return changes_; }
+  // Of finished submaps.
+  SubmapCache& submaps() { return cache_; }
   // Bytes of memory held between calls.
   std::size_t bytes() const { return cache_.bytes(); }
 

@@ -22,6 +22,9 @@ namespace {
 // Bytes. Larger pictures are drawn from the start each time.
 constexpr std::size_t kMostTiles = 64U << 20U;
 
+// How many submaps' grids are kept while sessions are appended: each is needed several times.
+constexpr std::size_t kKeptGrids = 64;
+
 // How many of a session's keyframes are matched to the last submap before it, and how far from the first, m.
 constexpr int kTieKeyframes = 5;
 constexpr double kTieLength = 2.0;
@@ -29,6 +32,7 @@ constexpr double kTieLength = 2.0;
 // A session's submaps, nodes and loop closures by their numbers in the chain, its poses still in its own frame.
 struct Renumbered {
   std::map<std::int64_t, FinishedSubmap> submaps;
+  std::map<std::int64_t, SubmapGrid> grids;  // of the submaps
   std::map<std::int64_t, SlamNode> nodes;
   std::map<std::int64_t, std::vector<LoopClosure>> closures;  // by node, without ids
   std::vector<TrajectoryPoint> trajectory;
@@ -45,7 +49,7 @@ class Renumbering {
   absl::StatusOr<Renumbered> Run() const {
     Renumbered result;
     for (const auto& [id, row] : map_.submaps) {
-      ENFILADE_ASSIGN_OR_RETURN(result.submaps[submaps_.at(id)], Submap(row));
+      ENFILADE_RETURN_IF_ERROR(AddSubmap(row, result));
     }
     for (const auto& [id, row] : map_.nodes) {
       SlamNode node = row;
@@ -77,7 +81,7 @@ class Renumbering {
   }
 
  private:
-  absl::StatusOr<FinishedSubmap> Submap(const SlamSubmap& row) const {
+  absl::Status AddSubmap(const SlamSubmap& row, Renumbered& result) const {
     if (!row.finished) return FailedPrecondition("submap {} is not finished", row.id);
     absl::StatusOr<SubmapContent> content = DecodeSubmapContent(row.content, options_.occupancy);
     if (!content.ok()) return WithContext(content.status(), "a session's submap");
@@ -99,7 +103,10 @@ class Renumbering {
     } else if (!content->next || !submaps_.contains(row.id + 1)) {
       return FailedPrecondition("the submap after {} is missing", row.id);
     }
-    return FinishSubmap(row.T_map_submap, row.version, row.content, nodes, content->next);
+    const std::int64_t number = submaps_.at(row.id);
+    result.submaps[number] = FinishSubmap(row.T_map_submap, row.version, row.content, nodes, content->next);
+    result.grids.emplace(number, std::move(content->grid));
+    return absl::OkStatus();
   }
 
   const SlamMap& map_;
@@ -148,7 +155,7 @@ Track EndOf(const Renumbered& session, const std::vector<sensor::PairedScan>& sc
 }  // namespace
 
 SessionChain::SessionChain(const SlamOptions& options, const std::optional<ExistingMap>& existing)
-    : options_(options), back_end_(options) {
+    : options_(options), back_end_(options, kKeptGrids) {
   if (!existing) return;
   state_.entry = existing->entry;
   state_.finished[0] = FinishExistingMap(1, ContentOf(existing->grid, options_));
@@ -171,6 +178,7 @@ absl::Status SessionChain::Append(const ChainedSession& session) {
     one.T_map_submap = T_chain_session * one.T_map_submap;
     state_.finished[id] = std::move(one);
   }
+  for (auto& [id, grid] : added.grids) back_end_.submaps().Put(id, std::move(grid));
   for (auto& [id, node] : added.nodes) {
     node.T_map_node = T_chain_session * node.T_map_node;
     state_.nodes[id] = node;
@@ -224,10 +232,10 @@ Pose2 SessionChain::Tie(const sensor::PairedScan& scan, const grid::ScanRays& se
     return T_map_first.pose;
   }
   FinishedSubmap& last = state_.finished.at(state_.last_submap());
-  const SubmapContent content = DecodeSubmapContent(last.content, options_.occupancy).value();  // checked by Append
+  const SubmapGrid& grid = back_end_.submaps().GetGrid(state_.last_submap(), last);
   LocalFields fields(options_.resolution, options_.local);
-  fields.Rebuild(content.grid);
-  const LocatedScan located = LocateScan(*state_.track, scan, seen, {content.grid, fields}, options_);
+  fields.Rebuild(grid);
+  const LocatedScan located = LocateScan(*state_.track, scan, seen, {grid, fields}, options_);
   if (located.residual) {
     state_.errors.match_squares += std::pow(*located.residual / options_.local.field.sigma, 2);
     ++state_.errors.matches;
@@ -242,8 +250,7 @@ Pose2 SessionChain::Tie(const sensor::PairedScan& scan, const grid::ScanRays& se
 
 ChainedMap SessionChain::Finish() {
   MapperState finished = state_;
-  BackEnd back_end(options_);
-  if (options_.match_scans) back_end.Finish(true, finished);
+  if (options_.match_scans) back_end_.Finish(true, finished);
   std::map<std::int64_t, Pose2> T_map_submaps;
   for (const auto& [id, submap] : finished.finished) {
     if (!finished.is_existing_map(id)) T_map_submaps[id] = submap.T_map_submap;
@@ -251,10 +258,8 @@ ChainedMap SessionChain::Finish() {
   if (!renderer_) renderer_.emplace(options_.resolution, LogOddsOptionsOf(options_.occupancy));
   renderer_->Expect(T_map_submaps);
   for (const auto& [id, T_map_submap] : T_map_submaps) {
-    std::optional<SubmapContent> content;
     renderer_->Place(id, T_map_submap, [&, id = id]() -> const SubmapGrid& {
-      content = DecodeSubmapContent(finished.finished.at(id).content, options_.occupancy).value();  // checked by Append
-      return content->grid;
+      return back_end_.submaps().GetGrid(id, finished.finished.at(id));
     });
   }
   ChainedMap result{renderer_->Render(nullptr, {}), TrajectoryOf(finished.nodes, trajectory_),
@@ -262,7 +267,7 @@ ChainedMap SessionChain::Finish() {
   std::sort(result.trajectory.begin(), result.trajectory.end(),
             [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
   if (renderer_->bytes() > kMostTiles) renderer_.reset();
-  back_end_ = BackEnd(options_);  // its cache is needed while sessions are appended
+  back_end_ = BackEnd(options_, kKeptGrids);  // its cache is needed while sessions are appended
   return result;
 }
 

@@ -49,9 +49,11 @@ CellWindow LikelihoodField::Update(const SubmapGrid& grid, const std::vector<gri
   Cover(bounds);
   for (const grid::CellIndex& cell : changed) Clear(Dilated({cell, 1, 1}, margin));
   const CellWindow reaching = Dilated(bounds, 2 * margin);
-  const auto& hits = grid.hits();
-  for (auto it = hits.lower_bound({reaching.min.row, reaching.min.column});
-       it != hits.end() && it->first.first < reaching.top(); ++it) {
+  const SubmapGrid::Hits& hits = grid.hits();
+  const SubmapGrid::Key first{reaching.min.row, reaching.min.column};
+  auto it = std::lower_bound(hits.begin(), hits.end(), first,
+                             [](const auto& hit, const SubmapGrid::Key& key) { return hit.first < key; });
+  for (; it != hits.end() && it->first.first < reaching.top(); ++it) {
     const grid::CellIndex cell{it->first.second, it->first.first};
     if (reaching.contains(cell.column, cell.row) && grid.IsOccupied(cell)) Stamp(it->second.mean);
   }

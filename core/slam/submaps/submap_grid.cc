@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <iterator>
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
@@ -17,7 +17,6 @@ constexpr double kSimplifiedStep = 0.35;    // log-odds: the clamp of 10 steps i
 constexpr std::int32_t kMaxCount = 1'000;   // so that a mean keeps following new hits
 constexpr double kMeanStep = 1.0 / 4096.0;  // m: a power of two, so that rounded means have few digits
 constexpr double kMinProbability = 1e-6;    // so that log-odds are finite
-constexpr std::size_t kTreeNodeBytes = 48;  // overhead of a std::map per element
 // Of a submap that scans grow: 410 m x 410 m at 5 cm, 200 MB. Twice the side of what the largest extent and range need.
 constexpr std::int64_t kMaxCells = std::int64_t{1} << 26;
 
@@ -34,6 +33,17 @@ std::pair<grid::CellIndex, grid::CellIndex> Bounds(const grid::LogOddsGrid& grid
     }
   }
   return {grid.CellOf(low), grid.CellOf(high)};
+}
+
+bool IsBefore(const SubmapGrid::Hits::value_type& a, const SubmapGrid::Hits::value_type& b) {
+  return a.first < b.first;
+}
+
+// The first cell that is not before `key`.
+template <typename AnyHits>
+auto FirstFrom(AnyHits& hits, const SubmapGrid::Key& key) {
+  return std::lower_bound(hits.begin(), hits.end(), key,
+                          [](const auto& hit, const SubmapGrid::Key& wanted) { return hit.first < wanted; });
 }
 
 }  // namespace
@@ -78,7 +88,7 @@ SubmapGrid SubmapGrid::FromOccupancy(const grid::OccupancyGrid& grid, const Occu
       const grid::CellIndex cell{min.column + column, min.row + row};
       if (log_odds.ValueAt(cell) <= 0) continue;  // kUnknown included
       const Eigen::Vector2d centre((cell.column + 0.5) * r, (cell.row + 0.5) * r);
-      result.hits_.emplace_hint(result.hits_.end(), Key{cell.row, cell.column}, HitMean{centre, 1});
+      result.hits_.emplace_back(Key{cell.row, cell.column}, HitMean{centre, 1});
     }
   }
   return result;
@@ -88,29 +98,48 @@ absl::StatusOr<std::vector<grid::CellIndex>> SubmapGrid::Insert(const Pose2& T_s
                                                                 const grid::ScanRays& rays) {
   const grid::ScanRays placed = Transformed(T_submap_robot, rays);
   const auto [low, high] = Bounds(log_odds_, placed);
-  std::set<Key> changed;
   // Occupied cells that this scan may turn free.
-  const auto first = hits_.lower_bound({low.row, low.column});
-  const auto last = hits_.upper_bound({high.row, high.column});
   std::vector<Key> occupied;
-  for (auto it = first; it != last; ++it) {
+  for (auto it = FirstFrom(hits_, {low.row, low.column}); it != hits_.end() && it->first.first <= high.row; ++it) {
     const grid::CellIndex cell{it->first.second, it->first.first};
     if (cell.column >= low.column && cell.column <= high.column && IsOccupied(cell)) occupied.push_back(it->first);
   }
   ENFILADE_RETURN_IF_ERROR(log_odds_.Insert(placed));
-  for (const Key& key : occupied) {
-    if (!IsOccupied({key.second, key.first})) changed.insert(key);
-  }
-  for (const Eigen::Vector2d& hit : placed.hits) {
-    const grid::CellIndex cell = log_odds_.CellOf(hit);
-    HitMean& mean = hits_[{cell.row, cell.column}];
-    mean.count = std::min(mean.count + 1, kMaxCount);
-    mean.mean += (hit - mean.mean) / mean.count;
-    changed.insert({cell.row, cell.column});
-  }
+  std::erase_if(occupied, [&](const Key& key) { return IsOccupied({key.second, key.first}); });
+  const std::vector<Key> hit = AddHits(placed.hits);
+  std::vector<Key> changed;
+  std::set_union(occupied.begin(), occupied.end(), hit.begin(), hit.end(), std::back_inserter(changed));
   std::vector<grid::CellIndex> cells;
   cells.reserve(changed.size());
   for (const Key& key : changed) cells.push_back({key.second, key.first});
+  return cells;
+}
+
+// Returns the cells of the hits in order, each once.
+std::vector<SubmapGrid::Key> SubmapGrid::AddHits(const std::vector<Eigen::Vector2d>& hits) {
+  std::vector<std::pair<Key, Eigen::Vector2d>> sorted;
+  sorted.reserve(hits.size());
+  for (const Eigen::Vector2d& hit : hits) {
+    const grid::CellIndex cell = log_odds_.CellOf(hit);
+    sorted.emplace_back(Key{cell.row, cell.column}, hit);
+  }
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Key> cells;
+  Hits fresh;  // of cells without hits so far
+  HitMean* mean = nullptr;
+  for (const auto& [key, hit] : sorted) {
+    if (cells.empty() || cells.back() != key) {
+      cells.push_back(key);
+      const auto known = FirstFrom(hits_, key);
+      const bool is_known = known != hits_.end() && known->first == key;
+      mean = is_known ? &known->second : &fresh.emplace_back(key, HitMean{}).second;
+    }
+    mean->count = std::min(mean->count + 1, kMaxCount);
+    mean->mean += (hit - mean->mean) / mean->count;
+  }
+  const auto before = static_cast<std::ptrdiff_t>(hits_.size());
+  hits_.insert(hits_.end(), fresh.begin(), fresh.end());
+  std::inplace_merge(hits_.begin(), hits_.begin() + before, hits_.end(), IsBefore);
   return cells;
 }
 
@@ -127,8 +156,7 @@ void SubmapGrid::RoundMeans() {
 }
 
 std::size_t SubmapGrid::bytes() const {
-  return log_odds_.cells().capacity() * sizeof(std::int16_t) +
-         hits_.size() * (sizeof(std::pair<const Key, HitMean>) + kTreeNodeBytes);
+  return log_odds_.cells().capacity() * sizeof(std::int16_t) + hits_.capacity() * sizeof(Hits::value_type);
 }
 
 // All values of one kind together: this compresses far better than cell by cell.
@@ -147,15 +175,15 @@ absl::StatusOr<SubmapGrid> SubmapGrid::Deserialize(BinaryReader& reader, const O
   SubmapGrid grid(std::move(log_odds));
   const auto size = reader.Get<std::uint64_t>();
   if (size > reader.remaining() / 28) return DataLoss("a submap's grid is truncated");
-  std::vector<Key> keys(size);
-  std::vector<HitMean> hits(size);
-  for (Key& key : keys) key.first = reader.Get<std::int32_t>();
-  for (Key& key : keys) key.second = reader.Get<std::int32_t>();
-  for (HitMean& hit : hits) hit.count = reader.Get<std::int32_t>();
-  for (HitMean& hit : hits) hit.mean.x() = reader.Get<double>();
-  for (HitMean& hit : hits) hit.mean.y() = reader.Get<double>();
-  for (std::size_t i = 0; i < size; ++i) grid.hits_.emplace_hint(grid.hits_.end(), keys[i], hits[i]);
-  if (!reader.ok() || grid.hits_.size() != size) return DataLoss("a submap's grid is damaged");
+  grid.hits_.resize(size);
+  for (auto& [key, hit] : grid.hits_) key.first = reader.Get<std::int32_t>();
+  for (auto& [key, hit] : grid.hits_) key.second = reader.Get<std::int32_t>();
+  for (auto& [key, hit] : grid.hits_) hit.count = reader.Get<std::int32_t>();
+  for (auto& [key, hit] : grid.hits_) hit.mean.x() = reader.Get<double>();
+  for (auto& [key, hit] : grid.hits_) hit.mean.y() = reader.Get<double>();
+  const auto is_not_before = [](const auto& a, const auto& b) { return !IsBefore(a, b); };
+  const bool ordered = std::adjacent_find(grid.hits_.begin(), grid.hits_.end(), is_not_before) == grid.hits_.end();
+  if (!reader.ok() || !ordered) return DataLoss("a submap's grid is damaged");
   return grid;
 }
 

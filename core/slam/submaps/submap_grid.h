@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -26,6 +25,7 @@ class SubmapGrid {
     friend bool operator==(const HitMean&, const HitMean&) = default;
   };
   using Key = std::pair<int, int>;  // row, column
+  using Hits = std::vector<std::pair<Key, HitMean>>;
 
   SubmapGrid(double resolution, const OccupancyOptions& options);
 
@@ -39,8 +39,8 @@ class SubmapGrid {
 
   const grid::LogOddsGrid& log_odds() const { return log_odds_; }
   double resolution() const { return log_odds_.resolution(); }
-  // By row and column. A cell with hits is occupied only while its log-odds are positive.
-  const std::map<Key, HitMean>& hits() const { return hits_; }
+  // By row and column, each cell once. A cell with hits is occupied only while its log-odds are positive.
+  const Hits& hits() const { return hits_; }
   bool IsOccupied(grid::CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
   // The hit means of the occupied cells, m, row by row.
   std::vector<Eigen::Vector2d> OccupiedPoints() const;
@@ -63,8 +63,10 @@ class SubmapGrid {
  private:
   explicit SubmapGrid(grid::LogOddsGrid grid) : log_odds_(std::move(grid)) {}
 
+  std::vector<Key> AddHits(const std::vector<Eigen::Vector2d>& hits);
+
   grid::LogOddsGrid log_odds_;
-  std::map<Key, HitMean> hits_;
+  Hits hits_;
 };
 
 // The sensor model for LogOddsGrid. The simplified form (+1 for a hit, -1 for a crossing beam, clamped at 10) is the

@@ -60,6 +60,10 @@ absl::StatusOr<grid::OccupancyGrid> LayerOverlay::Compose(const storage::CallCon
   return grid;
 }
 
+void LayerOverlay::Keep(const storage::StoredRaster& layer, grid::OccupancyGrid grid) {
+  grids_.insert_or_assign(ContentHash(layer.header, layer.tiles), std::move(grid));
+}
+
 absl::StatusOr<const grid::OccupancyGrid*> LayerOverlay::Read(const storage::CallContext& context,
                                                               const storage::MapLayer& layer, double resolution,
                                                               std::map<std::string, grid::OccupancyGrid>& used) {

@@ -32,6 +32,8 @@ class LayerOverlay {
   // FAILED_PRECONDITION if the layers are too far apart for one raster.
   absl::StatusOr<grid::OccupancyGrid> Compose(const storage::CallContext& context, const storage::LayersBeside& beside,
                                               const grid::OccupancyGrid& own);
+  // A layer that need not be read, on the lattice of the resolution for which Compose is called next.
+  void Keep(const storage::StoredRaster& layer, grid::OccupancyGrid grid);
 
  private:
   absl::StatusOr<const grid::OccupancyGrid*> Read(const storage::CallContext& context, const storage::MapLayer& layer,

@@ -10,7 +10,6 @@
 #include "core/grid/tiled_raster.h"
 #include "core/slam/mapper/render_session.h"
 #include "server/app/edits/edited_revision.h"
-#include "server/app/mapping/layer_overlay.h"
 #include "server/app/mapping/raster_revision.h"
 
 namespace enfilade::server {
@@ -116,6 +115,8 @@ absl::StatusOr<storage::RearrangedRaster> LayerRenderer::RenderMap(const MapId& 
   raster.map = map;
   ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside* own, Read(map));
   raster.layers_version = own->version;
+  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* options, OptionsOf(map));
+  LayerOverlay overlay(stores_.blobs, site_);
   std::vector<storage::MapLayer> layers;
   for (const storage::MapLayer& layer : own->below) {
     if (PiecesOf(map, layer).empty()) layers.push_back(layer);
@@ -126,9 +127,10 @@ absl::StatusOr<storage::RearrangedRaster> LayerRenderer::RenderMap(const MapId& 
         if (piece.way.to != map) continue;
         ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, DrawPiece(layer, piece));
         if (grid.cells.empty()) continue;
-        ENFILADE_ASSIGN_OR_RETURN(const RasterRevision drawn, ToRevision(grid::FromOccupancyGrid(std::move(grid))));
+        ENFILADE_ASSIGN_OR_RETURN(const RasterRevision drawn, ToRevision(grid::FromOccupancyGrid(grid)));
         ENFILADE_RETURN_IF_ERROR(PutTiles(context_, stores_.blobs, site_, drawn, {}));
         layers.push_back({piece.session, {drawn.revision.raster_header, drawn.revision.tiles}});
+        if (grid.geometry.resolution == options->resolution) overlay.Keep(layers.back().raster, std::move(grid));
         raster.entering.push_back({piece.session, layers.back().raster});
       }
     }
@@ -137,7 +139,7 @@ absl::StatusOr<storage::RearrangedRaster> LayerRenderer::RenderMap(const MapId& 
     if (own->below.empty()) return raster;
     return FailedPrecondition("map {} would be left without anything that was mapped", map.value());
   }
-  ENFILADE_RETURN_IF_ERROR(Compose(layers, raster));
+  ENFILADE_RETURN_IF_ERROR(Compose(layers, options->resolution, overlay, raster));
   return raster;
 }
 
@@ -182,11 +184,10 @@ absl::StatusOr<const slam::SlamOptions*> LayerRenderer::OptionsOf(const MapId& m
   return &ProfileOf(profiles_, stored.slam_profile, stored.environment);
 }
 
-absl::Status LayerRenderer::Compose(const std::vector<storage::MapLayer>& layers, storage::RearrangedRaster& raster) {
-  ENFILADE_ASSIGN_OR_RETURN(const slam::SlamOptions* options, OptionsOf(raster.map));
+absl::Status LayerRenderer::Compose(const std::vector<storage::MapLayer>& layers, double resolution,
+                                    LayerOverlay& overlay, storage::RearrangedRaster& raster) {
   grid::OccupancyGrid none;
-  none.geometry.resolution = options->resolution;
-  LayerOverlay overlay(stores_.blobs, site_);
+  none.geometry.resolution = resolution;
   ENFILADE_ASSIGN_OR_RETURN(const storage::LayersBeside* own, Read(raster.map));
   const storage::LayersBeside all{.version = 0, .below = layers, .above = {}, .edits = {}, .ignored = own->ignored};
   ENFILADE_ASSIGN_OR_RETURN(grid::OccupancyGrid grid, overlay.Compose(context_, all, none));

@@ -12,6 +12,7 @@
 #include "core/grid/occupancy_grid.h"
 #include "core/rearrange/rearrangement.h"
 #include "core/slam/slam_profiles.h"
+#include "server/app/mapping/layer_overlay.h"
 #include "server/app/rearrange/rearranger.h"
 #include "storage/call_context.h"
 #include "storage/graph/rearrangement_store.h"
@@ -55,7 +56,9 @@ class LayerRenderer {
   // Unset if nothing was mapped.
   absl::StatusOr<std::optional<slam::SlamMap>> ReadSubmaps(const SessionId& session, const Piece& piece);
   absl::StatusOr<const slam::SlamOptions*> OptionsOf(const MapId& map);
-  absl::Status Compose(const std::vector<storage::MapLayer>& layers, storage::RearrangedRaster& raster);
+  // `resolution`: of the raster, m.
+  absl::Status Compose(const std::vector<storage::MapLayer>& layers, double resolution, LayerOverlay& overlay,
+                       storage::RearrangedRaster& raster);
 
   const storage::CallContext& context_;
   const Rearranger::Stores& stores_;

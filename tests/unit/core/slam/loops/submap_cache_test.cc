@@ -77,6 +77,34 @@ TEST_F(SubmapCacheTest, HoldsNoMoreThanItsLimit) {
   }
 }
 
+TEST_F(SubmapCacheTest, GivesGridsAlone) {
+  SubmapCache cache(options_, 2);
+  const SubmapGrid decoded = DecodeSubmapContent(submaps_[3].content, {})->grid;
+  const SubmapGrid* three = &cache.GetGrid(3, submaps_[3]);
+  EXPECT_TRUE(*three == decoded);
+  EXPECT_LT(cache.bytes(), 2 * decoded.bytes()) << "without a pyramid";
+  EXPECT_EQ(&cache.GetGrid(3, submaps_[3]), three) << "still there";
+  const SearchableSubmap& searchable = Get(cache, 1);
+  EXPECT_EQ(&cache.GetGrid(1, submaps_[1]), &searchable.grid);
+}
+
+TEST_F(SubmapCacheTest, NeedNotDecompressGridsThatWerePut) {
+  SubmapCache cache(options_, 2);
+  FinishedSubmap lost = submaps_[0];
+  lost.content.clear();  // cannot be decompressed
+  const SubmapGrid grid = DecodeSubmapContent(submaps_[0].content, {})->grid;
+  cache.Put(0, grid);
+  EXPECT_TRUE(cache.GetGrid(0, lost) == grid);
+  EXPECT_TRUE(cache.Get(0, lost).grid == grid);
+  SubmapCache grids(options_, 2);
+  std::size_t with_two = 0;
+  for (const std::int64_t id : {0, 1, 2, 3}) {
+    grids.Put(id, grid);
+    if (id == 1) with_two = grids.bytes();
+  }
+  EXPECT_EQ(grids.bytes(), with_two) << "no more than asked for";
+}
+
 // Checkpoints do not hold the cache: results must not depend on what is in it.
 TEST_F(SubmapCacheTest, GivesTheSameWhateverWasAskedBefore) {
   SubmapCache used(options_);

@@ -61,6 +61,23 @@ TEST(SubmapGrid, KeepsTheMeanOfTheHitsInACell) {
   EXPECT_NEAR(grid.OccupiedPoints()[0].y(), 0.05, 1e-12);
 }
 
+TEST(SubmapGrid, KeepsHitsByRowAndColumnWhateverTheirOrder) {
+  SubmapGrid grid(kCell, {});
+  const std::vector<std::vector<Eigen::Vector2d>> scans{{{2.05, 1.05}, {0.35, 0.25}, {2.01, 1.02}},
+                                                        {{0.31, 0.29}, {1.05, 0.25}, {-0.55, 2.05}, {2.09, 1.02}}};
+  for (const auto& hits : scans) ASSERT_OK(grid.Insert({}, {{0.0, 0.05}, hits, {}}).status());
+  std::vector<SubmapGrid::Key> keys;
+  std::vector<int> counts;
+  for (const auto& [key, hit] : grid.hits()) {
+    keys.push_back(key);
+    counts.push_back(hit.count);
+  }
+  EXPECT_THAT(keys, ::testing::ElementsAre(SubmapGrid::Key(2, 3), SubmapGrid::Key(2, 10), SubmapGrid::Key(10, 20),
+                                           SubmapGrid::Key(20, -6)));
+  EXPECT_THAT(counts, ::testing::ElementsAre(2, 1, 3, 1));
+  EXPECT_LT((grid.hits()[2].second.mean - Eigen::Vector2d(2.05, 1.03)).norm(), 1e-9);
+}
+
 TEST(SubmapGrid, SaysWhichCellsChangedAndForgetsWallsThatAreGone) {
   SubmapGrid grid(kCell, {});
   ASSERT_OK_AND_ASSIGN(const auto built, grid.Insert({}, Beam(0.55)));
