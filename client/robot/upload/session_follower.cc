@@ -37,7 +37,13 @@ SessionFollower::SessionFollower(const client::Connection& connection, convert::
     : connection_(connection), robot_(std::move(robot)), listener_(std::move(listener)), hooks_(std::move(hooks)) {}
 
 void SessionFollower::Poll() {
-  std::erase_if(sessions_, [&](Followed& followed) { return PollSession(followed); });
+  bool not_surveyed = false;  // those that await a survey
+  std::erase_if(sessions_, [&](Followed& followed) {
+    if (followed.awaits_survey && not_surveyed) return false;
+    const bool done = PollSession(followed);
+    not_surveyed = not_surveyed || (followed.awaits_survey && !done);
+    return done;
+  });
 }
 
 std::int64_t SessionFollower::unmapped() const {
@@ -62,6 +68,7 @@ bool SessionFollower::PollSession(Followed& followed) {
     followed.mapped = true;
     NotifyMapped(followed, *session);
   }
+  if (followed.awaits_survey) return session->surveyed();
   v1::ListDoorVerdictsRequest request;
   request.set_parent(convert::NameOf(convert::SessionName{robot_.site, followed.session}));
   request.set_page_size(1000);
@@ -72,10 +79,13 @@ bool SessionFollower::PollSession(Followed& followed) {
   }
   // A survey may cut the session: its later verdicts are then another session's.
   if (session->surveyed()) return true;
-  if (session->state() == v1::Session::STATE_MAPPED && !session->map().empty() && ServerSurveys()) return false;
+  const bool judged = followed.verdicts >= hooks_.expected_verdicts(followed.session);
+  if (session->state() == v1::Session::STATE_MAPPED && !session->map().empty() && ServerSurveys()) {
+    followed.awaits_survey = judged;
+    return false;
+  }
   // A session without a map is recorded only, and never mapped.
-  return (followed.mapped || session->map().empty()) &&
-         followed.verdicts >= hooks_.expected_verdicts(followed.session) &&
+  return (followed.mapped || session->map().empty()) && judged &&
          (ended || session->entry().previous_session().empty());
 }
 

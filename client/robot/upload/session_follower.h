@@ -35,7 +35,8 @@ class SessionFollower {
 
   void Add(const SessionId& session) { sessions_.push_back({session}); }
   // Asks the server once about each session, and forgets those that are done: mapped, with all verdicts, and surveyed
-  // if the server surveys sites.
+  // if the server surveys sites. Of those that miss nothing but a survey only the first is asked for: a survey sees all
+  // of them.
   void Poll();
   // Asks for the robot's pose in the world, and notifies if it has changed.
   void PollGlobalPose();
@@ -51,6 +52,7 @@ class SessionFollower {
     int verdicts = 0;  // that were reported
     bool mapped = false;
     bool map_reported = false;
+    bool awaits_survey = false;  // and nothing else
   };
 
   // False while the server does not say.

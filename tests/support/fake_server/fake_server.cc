@@ -45,6 +45,7 @@ class FakeServer::Sessions final : public v1::SessionService::Service {
     MutexLock lock(owner_.mutex_);
     const auto session = owner_.sessions_.find(request->name());
     if (session == owner_.sessions_.end()) return NotFound(request->name());
+    ++session->second.asked;
     *response->mutable_session() = session->second.session;
     return grpc::Status::OK;
   }

@@ -74,6 +74,7 @@ class FakeServer {
     int duplicates = 0;  // the same content again
     bool finished = false;
     std::vector<v1::DoorVerdict> verdicts = {};  // as ListDoorVerdicts gives them
+    int asked = 0;                               // how often GetSession was called
   };
   // By resource name.
   std::map<std::string, Session> sessions();
