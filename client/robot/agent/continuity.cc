@@ -21,6 +21,15 @@ int DirectionOf(const Eigen::Vector2d& point) {
   return std::min(static_cast<int>(turn * kDirections), kDirections - 1);
 }
 
+// Up to `most` to both sides, the middle first.
+std::vector<double> Errors(double most, int steps) {
+  std::vector<double> errors = {0.0};
+  for (int step = 1; step <= steps; ++step) {
+    for (const double side : {-1.0, 1.0}) errors.push_back(side * most * step / steps);
+  }
+  return errors;
+}
+
 }  // namespace
 
 Continuity::View Continuity::ViewOf(const sensor::LaserScan& scan, const Pose2& T_odom_robot) const {
@@ -52,14 +61,36 @@ double Continuity::FreeShare(const View& a, const View& b, const Pose2& T_b_a) c
   return seen > 0 ? static_cast<double>(free) / seen : 0.0;
 }
 
-bool Continuity::Contradict(const View& a, const View& b) const {
-  constexpr int kSteps = 6;
+Continuity::Contradiction Continuity::Compare(const View& a, const View& b) const {
   const Pose2 T_b_a = Between(b.T_odom_robot, a.T_odom_robot);
-  for (int step = -kSteps; step <= kSteps; ++step) {
-    const Pose2 turned = T_b_a * Pose2{0.0, 0.0, options_.yaw_error * step / kSteps};
-    if (FreeShare(a, b, turned) + FreeShare(b, a, Inverse(turned)) <= options_.contradicted) return false;
+  Contradiction least;
+  for (const double x : Errors(options_.position_error, 2)) {
+    for (const double y : Errors(options_.position_error, 2)) {
+      for (const double yaw : Errors(options_.yaw_error, 6)) {
+        const Pose2 moved = T_b_a * Pose2{x, y, yaw};
+        const Contradiction found{FreeShare(a, b, moved), FreeShare(b, a, Inverse(moved))};
+        if (found.sum() < least.sum()) least = found;
+        if (least.sum() <= options_.alike) return least;
+      }
+    }
   }
-  return true;
+  return least;
+}
+
+bool Continuity::IsLarge(const Contradiction& found) const {
+  return found.sum() > options_.contradicted ||
+         (found.sum() > options_.exchanged && std::min(found.of_a, found.of_b) > options_.exchanged_each);
+}
+
+bool Continuity::IsSuspect(const View& view) const {
+  if (moved_ < options_.odometry_works) return false;
+  const bool follows = suspect_ > 0 && agreeing_ > 0;
+  const double far = follows ? options_.comparable_after : 1.0;
+  const Pose2 since = Between(known_->T_odom_robot, view.T_odom_robot);
+  if (since.translation().norm() > far * options_.comparable) return false;
+  if (std::abs(since.yaw) > far * options_.comparable_yaw) return false;
+  const Contradiction found = Compare(view, *known_);
+  return follows ? found.sum() > options_.alike : IsLarge(found);
 }
 
 std::optional<std::string> Continuity::Break(std::string reason) {
@@ -87,16 +118,13 @@ std::optional<std::string> Continuity::Add(const sensor::LaserScan& scan, const 
     return Break(fmt::format("the robot has seen no walls for {:.1f} m", options_.blind_distance));
   }
   blind_ = 0.0;
-  agreeing_ = last_ && Contradict(view, *last_) ? 0 : agreeing_ + 1;
+  agreeing_ = last_ && Compare(view, *last_).sum() > options_.contradicted ? 0 : agreeing_ + 1;
   last_ = view;
   if (!known_) {
     if (settled()) known_ = std::move(view);
     return std::nullopt;
   }
-  const Pose2 since = Between(known_->T_odom_robot, T_odom_robot);
-  const bool comparable = moved_ >= options_.odometry_works && since.translation().norm() <= options_.comparable &&
-                          std::abs(since.yaw) <= options_.comparable_yaw;
-  if (!comparable || !Contradict(view, *known_)) {
+  if (!IsSuspect(view)) {
     suspect_ = 0;
     known_ = std::move(view);
     return std::nullopt;

@@ -18,12 +18,20 @@ struct ContinuityOptions {
   double jump_speed = 5.0;      // m/s
   double blind_distance = 5.0;  // m driven without seeing walls, after which odometry alone says too little
   int min_hits = 30;            // of a scan that sees walls
-  // Two scans contradict each other if this share of their hits lies where the other one has seen free space (of each
-  // scan's, added up), however the odometry's yaw is wrong by up to `yaw_error`: wheels slip in turns.
+  // Two scans contradict each other by the shares of their hits that lie where the other one has seen free space,
+  // wherever the robot was within these errors of the odometry: wheels slip.
+  double yaw_error = 0.3;       // rad
+  double position_error = 0.3;  // m
+  // They do if the two shares together exceed this ...
   double contradicted = 0.6;
-  double yaw_error = 0.3;         // rad
+  // ... or this, and each of them the next. What only comes near hides what was there: that is one share of them.
+  double exchanged = 0.3;
+  double exchanged_each = 0.08;
+  // What follows such a scan, and agrees with it, is elsewhere, too, if the two shares exceed this.
+  double alike = 0.2;
   double comparable = 0.5;        // m; farther apart, scans see too different things to contradict each other
   double comparable_yaw = 0.4;    // rad
+  double comparable_after = 3.0;  // times as far, of what follows
   double tolerance = 0.3;         // m, of a hit
   double range_tolerance = 0.05;  // and in addition per metre of range: for errors of the yaw
   double odometry_works = 0.2;    // m; odometry that has not even moved so far says nothing about the scans
@@ -51,9 +59,19 @@ class Continuity {
     Pose2 T_odom_robot;
   };
   View ViewOf(const sensor::LaserScan& scan, const Pose2& T_odom_robot) const;
+  // The shares of the hits of two views that lie where the other one has seen free space.
+  struct Contradiction {
+    double of_a = 1.0;
+    double of_b = 1.0;
+    double sum() const { return of_a + of_b; }
+  };
   // Of the hits of `a` in directions that `b` has seen, the share that lies in its free space.
   double FreeShare(const View& a, const View& b, const Pose2& T_b_a) const;
-  bool Contradict(const View& a, const View& b) const;
+  // The least within the errors of the odometry, or little.
+  Contradiction Compare(const View& a, const View& b) const;
+  bool IsLarge(const Contradiction& found) const;
+  // Whether the robot may have been carried between known_ and `view`.
+  bool IsSuspect(const View& view) const;
   std::optional<std::string> Break(std::string reason);
 
   ContinuityOptions options_;

@@ -68,6 +68,42 @@ TEST_F(ContinuityTest, ARobotThatIsCarriedWhileOdometryStandsStillIsNoticed) {
   EXPECT_FALSE(Drive(room_, {{6.0, 3.3, 1.6}, {6.0, 2.6, 1.6}})) << "once";
 }
 
+// Less than half of what it sees contradicts.
+TEST_F(ContinuityTest, SoItIsIfThePlacesAreHalfAlike) {
+  ASSERT_FALSE(Drive(room_, {{6.0, 2.5, 1.57}, {6.0, 1.5, 1.57}}));
+  last_ = {2.5, 4.0, 0.0};
+  EXPECT_TRUE(Drive(room_, {{2.5, 4.0, 0.0}, {2.9, 4.0, 0.0}}));
+}
+
+TEST_F(ContinuityTest, SoItIsIfItTurnsAtOnce) {
+  ASSERT_FALSE(Drive(room_, {{1.5, 2.5, 0.0}, {3.0, 2.5, 0.0}}));
+  const Pose2 turn{0.0, 0.0, 0.25};
+  last_ = {6.0, 4.0, 1.6};
+  std::optional<std::string> broken = See(room_.Scan(last_));
+  for (int scan = 0; scan < 3 && !broken; ++scan) {
+    last_ = last_ * turn;
+    odometry_ = odometry_ * turn;
+    broken = See(room_.Scan(last_));
+  }
+  EXPECT_TRUE(broken);
+}
+
+TEST_F(ContinuityTest, WheelsThatSlipAreNoBreak) {
+  ASSERT_FALSE(Drive(room_, {{1.8, 2.4, -1.57}, {1.8, 1.4, -1.57}}));
+  odometry_ = odometry_ * Pose2{-0.3, 0.3, 0.0};
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(See(room_.Scan(last_)));
+}
+
+// It hides much, but nothing is where it was.
+TEST_F(ContinuityTest, SomebodyWhoComesNearIsNoBreak) {
+  ASSERT_FALSE(Drive(room_, {{1.5, 2.5, 0.0}, {3.0, 2.5, 0.0}}));
+  for (int i = 0; i < 10; ++i) {
+    sensor::LaserScan scan = room_.Scan(last_);
+    for (std::size_t beam = 110; beam < 250; ++beam) scan.ranges[beam] = 0.5F;
+    EXPECT_FALSE(See(scan));
+  }
+}
+
 TEST_F(ContinuityTest, AJumpOfOdometryIsNoticedAtOnce) {
   ASSERT_FALSE(Drive(room_, {{1.5, 2.5, 0.0}, {3.0, 2.5, 0.0}}));
   odometry_ = Pose2{20.0, -7.0, 2.0} * odometry_;
