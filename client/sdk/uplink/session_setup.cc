@@ -37,13 +37,25 @@ v1::CreateMapRequest MapOf(const SpoolSession& session) {
   return request;
 }
 
-absl::StatusOr<std::string> MapNameOf(const Connection& connection, const SpoolSession& session, bool create_missing) {
-  if (session.map.empty()) return std::string();
+struct MapNames {
+  std::string asked;  // resource name
+  std::string now;    // of the map that it leads to
+};
+
+absl::StatusOr<MapNames> MapNamesOf(const Connection& connection, const SpoolSession& session, bool create_missing) {
+  if (session.map.empty()) return MapNames{};
   const bool create = create_missing && !session.entry.T_map_robot;  // a pose in a map means that the map exists
   const absl::StatusOr<v1::Map> map = create ? FindOrCreateMap(connection, session.site, session.map, MapOf(session))
                                              : FindMap(connection, session.site, session.map);
   if (!map.ok()) return map.status();
-  return map->name();
+  MapNames names{map->name(), map->name()};
+  // The pose is in the frame of the map that was asked for. If that was merged into another one meanwhile, the server
+  // moves the pose, but only under the old name.
+  const bool by_id = map->display_name() != session.map && IsValidResourceId(session.map);
+  if (session.entry.T_map_robot && by_id) {
+    names.asked = convert::NameOf(convert::MapName{session.site, MapId(session.map)});
+  }
+  return names;
 }
 
 absl::StatusOr<v1::Session> Create(const Connection& connection, const SpoolSession& session, const std::string& map) {
@@ -74,11 +86,11 @@ absl::StatusOr<v1::Session> Create(const Connection& connection, const SpoolSess
 
 absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const SpoolSession& session,
                                           bool create_missing) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string map, MapNameOf(connection, session, create_missing));
-  absl::StatusOr<v1::Session> created = Create(connection, session, map);
+  ENFILADE_ASSIGN_OR_RETURN(const MapNames map, MapNamesOf(connection, session, create_missing));
+  absl::StatusOr<v1::Session> created = Create(connection, session, map.asked);
   if (create_missing && absl::IsNotFound(created.status())) {
     ENFILADE_RETURN_IF_ERROR(CreateRobot(connection, session));
-    created = Create(connection, session, map);
+    created = Create(connection, session, map.asked);
   }
   const bool asked_otherwise = absl::IsInvalidArgument(created.status());
   if (!absl::IsAlreadyExists(created.status()) && !asked_otherwise) return created;
@@ -88,7 +100,7 @@ absl::StatusOr<v1::Session> EnsureSession(const Connection& connection, const Sp
   if (asked_otherwise && absl::IsNotFound(stored.status())) return created;
   ENFILADE_RETURN_IF_ERROR(stored.status());
   const v1::Session& found = *stored;
-  if (found.robot() == convert::NameOf(convert::RobotName{session.site, session.robot}) && found.map() == map)
+  if (found.robot() == convert::NameOf(convert::RobotName{session.site, session.robot}) && found.map() == map.now)
     return found;
   return AlreadyExists("session \"{}\" exists: {} records it into \"{}\"; choose another id", found.name(),
                        found.robot(), found.map());

@@ -26,7 +26,7 @@ class FakeServer::Sessions final : public v1::SessionService::Service {
     MutexLock lock(owner_.mutex_);
     if (!owner_.robots_.contains(request->session().robot())) return NotFound(request->session().robot());
     const std::string& map = request->session().map();
-    if (!map.empty() && !owner_.maps_.contains(map)) return NotFound(map);
+    if (!map.empty() && !owner_.maps_.contains(map) && !owner_.redirects_.contains(map)) return NotFound(map);
     const std::string name = request->parent() + "/sessions/" + request->session_id();
     const auto found = owner_.sessions_.find(name);
     if (found != owner_.sessions_.end() && found->second.request_id != request->request_id()) {
@@ -114,7 +114,8 @@ class FakeServer::Maps final : public v1::MapService::Service {
 
   grpc::Status GetMap(grpc::ServerContext*, const v1::GetMapRequest* request, v1::GetMapResponse* response) override {
     MutexLock lock(owner_.mutex_);
-    const auto map = owner_.maps_.find(request->name());
+    const auto redirect = owner_.redirects_.find(request->name());
+    const auto map = owner_.maps_.find(redirect == owner_.redirects_.end() ? request->name() : redirect->second);
     if (map == owner_.maps_.end()) return NotFound(request->name());
     response->mutable_map()->set_name(map->first);
     response->mutable_map()->set_display_name(map->second);
@@ -125,7 +126,10 @@ class FakeServer::Maps final : public v1::MapService::Service {
                         v1::ListMapsResponse* response) override {
     MutexLock lock(owner_.mutex_);
     for (const auto& [name, display_name] : owner_.maps_) {
-      if (display_name == request->display_name()) response->add_maps()->set_name(name);
+      if (display_name != request->display_name()) continue;
+      v1::Map& map = *response->add_maps();
+      map.set_name(name);
+      map.set_display_name(display_name);
     }
     return grpc::Status::OK;
   }
@@ -212,6 +216,12 @@ std::int64_t FakeServer::AcknowledgedOf(const Session& session) {
     acknowledged = sequence;
   }
   return acknowledged;
+}
+
+void FakeServer::Redirect(const std::string& from, const std::string& to) {
+  MutexLock lock(mutex_);
+  maps_.erase(from);
+  redirects_[from] = to;
 }
 
 void FakeServer::Edit(const std::string& session, const std::function<void(Session&)>& change) {

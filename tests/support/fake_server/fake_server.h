@@ -88,6 +88,8 @@ class FakeServer {
   // The highest sequence without a gap before it.
   static std::int64_t AcknowledgedOf(const Session& session);
 
+  // Merges a map into another one (resource names): its name leads there. Poses stay as they are sent.
+  void Redirect(const std::string& from, const std::string& to);
   // Changes what is stored.
   void Edit(const std::string& session, const std::function<void(Session&)>& change);
 
@@ -117,6 +119,7 @@ class FakeServer {
   std::map<std::string, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   std::set<std::string> robots_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> maps_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::string> redirects_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::string> blobs_ ABSL_GUARDED_BY(mutex_);
   std::int64_t records_received_ ABSL_GUARDED_BY(mutex_) = 0;
   int streams_opened_ ABSL_GUARDED_BY(mutex_) = 0;
