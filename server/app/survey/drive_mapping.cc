@@ -10,12 +10,14 @@
 #include "core/base/sha256.h"
 #include "core/base/status_macros.h"
 #include "core/grid/overlay.h"
+#include "core/grid/wall_agreement.h"
 #include "fmt/format.h"
 #include "server/app/survey/chained_sessions.h"
 #include "server/app/survey/drive_location.h"
 #include "server/app/survey/drive_trajectory.h"
 #include "server/app/survey/lift_rides.h"
 #include "server/app/survey/stored_drives.h"
+#include "spdlog/spdlog.h"
 #include "storage/sessions/all_sessions.h"
 
 namespace enfilade::server {
@@ -25,6 +27,10 @@ constexpr int kPage = 500;
 // How well the graph predicts where a drive starts in the map of the drives before it.
 constexpr double kStartSigma = 0.3;      // m
 constexpr double kStartYawSigma = 0.05;  // rad
+// Of a drive that is located by its scans, the share of walls that may lie where the drives before it have seen free
+// ground, or the other way round: furniture is moved. The map of a drive bends by less than the tolerance.
+constexpr double kMostContradicted = 0.3;
+constexpr double kWallTolerance = 0.25;  // m
 
 absl::StatusOr<std::map<MapId, storage::Map>> ListMaps(const SurveyStores& stores, const SiteId& site) {
   std::map<MapId, storage::Map> maps;
@@ -124,6 +130,7 @@ class LevelMapper {
     ENFILADE_ASSIGN_OR_RETURN(const slam::ChainedMap mapped,
                               run_.cache.Get(id, [&](CachedDrive& cached) { return BringUpToDate(to_map, cached); }));
     if (mapped.grid.cells.empty()) return !to_map.by_scans;
+    if (to_map.by_scans && IsElsewhere(stored, mapped.grid)) return false;
     ids_before_ = id;
     mapped_before_ = Sha256(mapped_before_ + to_map.records);
     if (begins_level) {
@@ -142,6 +149,16 @@ class LevelMapper {
       ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, *verdict, maps, mapped.trajectory));
     }
     level_.survey.drives.push_back(std::move(drive));
+    return true;
+  }
+
+  // Whether the drive's map, located by scans alone, lies across what was mapped before. It is then left out, until
+  // others have mapped more.
+  bool IsElsewhere(const StoredDrive& drive, const grid::OccupancyGrid& mapped) const {
+    const double share = grid::CompareWalls(level_.grid, mapped, kWallTolerance).contradicted_share();
+    if (share <= kMostContradicted) return false;
+    spdlog::info("the drive from session {} on is left out: where its scans place it, {:.0f} % of the walls contradict",
+                 drive.front()->id.value(), 100.0 * share);
     return true;
   }
 
