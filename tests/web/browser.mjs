@@ -43,6 +43,9 @@ export async function launchToKill(profile) {
 // Chromium's software renderer says this of every screenshot.
 const ofTheRenderer = /GL Driver Message \(OpenGL, Performance/;
 
+// For what a page does, ms: on a busy machine it takes long.
+const patience = 120_000;
+
 // What a test has opened and not closed, because it failed.
 const leftOpen = new Set();
 
@@ -55,6 +58,7 @@ export async function closeWhatIsLeft() {
 // Opens a page in a context of its own. `expected`: what the console may say besides, for tests that stop the server.
 export async function open(browser, url, { theme = 'light', width = 1280, height = 800, expected = /^$/ } = {}) {
   const context = await browser.newContext({ colorScheme: theme, viewport: { width, height }, reducedMotion: 'reduce' });
+  context.setDefaultTimeout(patience);
   leftOpen.add(context);
   const page = await context.newPage();
   const problems = [];

@@ -12,7 +12,7 @@ const programs = process.env.ENFILADE_BIN;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 // Waits until `holds` returns something true, and returns that.
-export async function until(what, holds, seconds = 60) {
+export async function until(what, holds, seconds = 120) {
   for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(100)) {
     const result = await holds();
     if (result) return result;
