@@ -13,7 +13,8 @@ bool SurveySchedule::IsDue(const storage::PendingSurvey& pending, Clock::time_po
   if (found == sites_.end()) return true;
   const Site& site = found->second;
   if (site.failures > 0) return now >= site.retry;
-  return pending.drive_ended || now - site.surveyed >= options_.interval ||
+  if (pending.drive_ended || now - site.surveyed >= options_.interval) return true;
+  return !pending.mapping_lags &&
          static_cast<double>(pending.sessions) >= options_.growth * static_cast<double>(site.sessions);
 }
 

@@ -14,7 +14,8 @@ struct SurveyScheduleOptions {
   // While robots record at a site, it is surveyed again once as many sessions are new as this share of those that the
   // last survey has seen, ...
   double growth = 1.0;
-  // ... but at the latest this long after it.
+  // ... unless mapping lags behind: what a survey finds then is soon outdated, and mapping needs the processor. At the
+  // latest this long after the last one.
   std::chrono::duration<double> interval{300.0};
 };
 

@@ -12,11 +12,20 @@ namespace {
 
 // A robot begins its next session within this time, s.
 constexpr double kBetweenSessions = 1.0;
+// Records of a robot that is followed live are mapped within this time, s, and the door before them is judged.
+constexpr double kUsualLag = 2.0;
 
 // Reads over all sites, as session_leases.cc does. The work it finds is then done within its site.
 constexpr Statement kFindSurveys{
     "looking for sites to survey",
-    "SELECT site_id, count(*), bool_or("
+    "SELECT site_id, sessions, drive_ended,"
+    " EXISTS (SELECT FROM enfilade.mapping_work w WHERE w.site_id = p.site_id"
+    "  AND w.waiting_since < now() - $2 * interval '1 s')"
+    " OR EXISTS (SELECT FROM enfilade.sessions n JOIN enfilade.sessions b"
+    "  ON b.site_id = n.site_id AND b.session_id = n.previous_session_id"
+    "  WHERE n.site_id = p.site_id AND n.map_id IS NULL AND n.previous_session_id IS NOT NULL AND n.delete_time IS NULL"
+    "  AND n.state IN (1, 2) AND b.finish_time < now() - $2 * interval '1 s')"
+    " FROM (SELECT site_id, min(finish_time) AS since, count(*) AS sessions, bool_or("
     "  NOT EXISTS (SELECT FROM enfilade.sessions u WHERE u.site_id = s.site_id AND u.map_id IS NOT NULL"
     "   AND u.state IN (1, 2) AND u.robot_id IS NOT DISTINCT FROM s.robot_id AND u.delete_time IS NULL)"
     "  AND NOT EXISTS (SELECT FROM enfilade.sessions u WHERE u.site_id = s.site_id AND u.map_id IS NULL"
@@ -24,9 +33,9 @@ constexpr Statement kFindSurveys{
     "   AND u.delete_time IS NULL)"
     "  AND NOT EXISTS (SELECT FROM enfilade.sessions u WHERE u.site_id = s.site_id"
     "   AND u.finish_time > now() - $1 * interval '1 s' AND u.robot_id IS NOT DISTINCT FROM s.robot_id"
-    "   AND u.delete_time IS NULL))"
+    "   AND u.delete_time IS NULL)) AS drive_ended"
     " FROM enfilade.sessions s WHERE map_id IS NOT NULL AND state = 3 AND NOT surveyed"
-    " AND (door_reports = 0 OR doors_judged) GROUP BY site_id ORDER BY min(finish_time), site_id"};
+    " AND (door_reports = 0 OR doors_judged) GROUP BY site_id) p ORDER BY since, site_id"};
 constexpr Statement kMarkSurveyed{
     "marking sessions as surveyed",
     "WITH lease AS (SELECT FROM enfilade.site_leases WHERE site_id = $1 AND token = $3 FOR SHARE),"
@@ -37,11 +46,13 @@ constexpr Statement kMarkSurveyed{
 }  // namespace
 
 absl::StatusOr<std::vector<PendingSurvey>> SurveyStore::FindPending(const CallContext& context) const {
-  ENFILADE_ASSIGN_OR_RETURN(const auto found, ExecuteAlone(pool_, context, kFindSurveys, Params(kBetweenSessions)));
+  ENFILADE_ASSIGN_OR_RETURN(const auto found,
+                            ExecuteAlone(pool_, context, kFindSurveys, Params(kBetweenSessions, kUsualLag)));
   return ReadRows(found, [](Row& row) {
     PendingSurvey pending{.site = SiteId(std::string(row.Text()))};
     pending.sessions = row.Int64();
     pending.drive_ended = row.Bool();
+    pending.mapping_lags = row.Bool();
     return pending;
   });
 }

@@ -14,15 +14,17 @@ namespace {
 #define ENFILADE_TO_BE_MAPPED(read_sequence)                                                            \
   "(s.map_id IS NOT NULL AND s.state IN (1, 2) AND (s.state = 2 OR s.acknowledged_sequence > greatest(" \
   "coalesce(c.mapped_sequence, 0), " read_sequence ")))"
-#define ENFILADE_QUEUE_WORK                                                                        \
-  "INSERT INTO enfilade.mapping_work (site_id, session_id) SELECT s.site_id, s.session_id"         \
+#define ENFILADE_QUEUE_WORK(waiting_since)                                                         \
+  "INSERT INTO enfilade.mapping_work (site_id, session_id, waiting_since)"                         \
+  " SELECT s.site_id, s.session_id, " waiting_since                                                \
   " FROM enfilade.sessions s LEFT JOIN enfilade.mapping_checkpoints c USING (site_id, session_id)" \
   " WHERE s.site_id = $1 AND " ENFILADE_TO_BE_MAPPED("0")
 
 constexpr Statement kQueueWork{"queueing sessions for mapping",
-                               ENFILADE_QUEUE_WORK " AND s.session_id = ANY ($2) ON CONFLICT DO NOTHING"};
-constexpr Statement kQueueEntered{"queueing sessions for mapping",
-                                  ENFILADE_QUEUE_WORK " AND s.previous_session_id = $2 ON CONFLICT DO NOTHING"};
+                               ENFILADE_QUEUE_WORK("now()") " AND s.session_id = ANY ($2) ON CONFLICT DO NOTHING"};
+constexpr Statement kQueueEntered{
+    "queueing sessions for mapping",
+    ENFILADE_QUEUE_WORK("s.create_time") " AND s.previous_session_id = $2 ON CONFLICT DO NOTHING"};
 // Over all sites. The work it finds is then taken within its site.
 constexpr Statement kFindWork{"looking for sessions to map",
                               "SELECT w.site_id, w.session_id FROM enfilade.mapping_work w"

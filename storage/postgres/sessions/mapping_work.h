@@ -20,7 +20,7 @@ namespace enfilade::storage::postgres {
 // Queues those of `sessions` that are to be mapped. A session that waits already costs a look at its row. Their rows
 // must be locked by `transaction`.
 void QueueMappingWork(Transaction& transaction, const SiteId& site, const std::vector<std::string_view>& sessions);
-// The same for those that follow `previous`.
+// The same for those that follow `previous` and have just got their map. Their records have waited since they began.
 void QueueEnteredSessions(Transaction& transaction, const SiteId& site, const SessionId& previous);
 
 struct WaitingSession {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "storage/postgres/sessions/mapping_work.h"
+
 #include <chrono>
 #include <functional>
 #include <string>
@@ -151,6 +153,21 @@ TEST_F(MappingWorkTest, WhatCameDuringATurnHasWaitedSinceItsBegin) {
   const std::string unmapped_since = Work("waiting_since");
   ASSERT_OK(mapping_.Release(Soon(), again->lease, 0));
   EXPECT_EQ(Work("waiting_since"), unmapped_since) << "nothing was mapped in this turn";
+}
+
+TEST_F(MappingWorkTest, WhatWasRecordedBehindADoorHasWaitedSinceItsSessionBegan) {
+  storage::Session behind = MakeSession(site_, SessionId("behind"), robot_, std::nullopt);
+  behind.entry.previous = NewSession("s1");
+  ASSERT_OK(sessions_.Create(Soon(), behind, ""));
+  ASSERT_OK(Append(behind.id, ScanRecords(1, 3)));
+  ASSERT_EQ(Work(), "0");
+  database_.Sql(
+      "UPDATE enfilade.sessions SET map_id = 'hall', create_time = now() - interval '1 hour'"
+      " WHERE session_id = 'behind'");
+  ASSERT_OK_AND_ASSIGN(auto transaction, storage::postgres::Transaction::Begin(*pool_, Soon()));
+  storage::postgres::QueueEnteredSessions(transaction, site_, *behind.entry.previous);
+  ASSERT_OK(transaction.Commit());
+  EXPECT_EQ(Work("now() - waiting_since >= interval '1 hour'"), "t");
 }
 
 TEST_F(MappingWorkTest, DeletedSessionsLeaveNothingBehindAndHoldUpNobody) {

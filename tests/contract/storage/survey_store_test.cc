@@ -69,11 +69,33 @@ TEST_F(SurveyStoreTest, ADriveHasEndedOnceItsRobotRecordsNoMore) {
   storage::Session behind = MakeSession(site_, SessionId("behind"), robot_, std::nullopt);
   behind.entry.previous = mapped;
   ASSERT_OK(sessions_.Create(Soon(), behind, ""));
-  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, false}));
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, false, true}));
   // Another robot's drive may have ended.
   ASSERT_OK(robots_.Create(Soon(), MakeRobot(site_, RobotId("r2"), "R2"), ""));
   database_.Sql("UPDATE enfilade.sessions SET robot_id = 'r2' WHERE session_id = 's1'");
-  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, true}));
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 2, true, true}));
+}
+
+TEST_F(SurveyStoreTest, MappingLagsWhileRecordsHaveWaitedForIt) {
+  NewMappedSession("s1");
+  const SessionId recording = NewSession("recording");
+  ASSERT_OK(Append(recording, ScanRecords(1, 3)));
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, false, false}));
+  database_.Sql(
+      "UPDATE enfilade.mapping_work SET waiting_since = now() - interval '3 s' WHERE session_id = 'recording'");
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, false, true}));
+  database_.Sql("DELETE FROM enfilade.mapping_work WHERE session_id = 'recording'");
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, false, false}));
+}
+
+TEST_F(SurveyStoreTest, MappingLagsWhileASessionHasWaitedForItsMap) {
+  const SessionId mapped = NewMappedSession("s1");
+  storage::Session behind = MakeSession(site_, SessionId("behind"), robot_, std::nullopt);
+  behind.entry.previous = mapped;
+  ASSERT_OK(sessions_.Create(Soon(), behind, ""));
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, false, true}));
+  FinishBefore("s1", "1 s");
+  EXPECT_THAT(*surveys_.FindPending(Soon()), ElementsAre(PendingSurvey{site_, 1, false, false}));
 }
 
 TEST_F(SurveyStoreTest, TheSiteThatHasWaitedLongestComesFirst) {

@@ -16,6 +16,7 @@ class SurveyScheduleTest : public ::testing::Test {
  protected:
   static storage::PendingSurvey Recording(std::int64_t sessions) { return {kSite, sessions, false}; }
   static storage::PendingSurvey Ended(std::int64_t sessions) { return {kSite, sessions, true}; }
+  static storage::PendingSurvey Lagging(std::int64_t sessions) { return {kSite, sessions, false, true}; }
 
   SurveySchedule schedule_{{.growth = 0.5, .interval = seconds(300)}};
   const SurveySchedule::Clock::time_point start_{seconds(1000)};
@@ -43,6 +44,14 @@ TEST_F(SurveyScheduleTest, ASiteWaitsForTheIntervalAtMost) {
   schedule_.CountSurvey(kSite, 1000, start_);
   EXPECT_FALSE(schedule_.IsDue(Recording(1), start_ + seconds(299)));
   EXPECT_TRUE(schedule_.IsDue(Recording(1), start_ + seconds(300)));
+}
+
+TEST_F(SurveyScheduleTest, WhileMappingLagsASiteWaitsForTheInterval) {
+  schedule_.CountSurvey(kSite, 10, start_);
+  EXPECT_TRUE(schedule_.IsDue(Recording(100), start_ + seconds(299)));
+  EXPECT_FALSE(schedule_.IsDue(Lagging(100), start_ + seconds(299)));
+  EXPECT_TRUE(schedule_.IsDue(Lagging(1), start_ + seconds(300)));
+  EXPECT_TRUE(schedule_.IsDue({kSite, 1, true, true}, start_)) << "another robot's drive has ended";
 }
 
 TEST_F(SurveyScheduleTest, AfterAFailureASiteWaitsForAMoment) {
