@@ -49,14 +49,8 @@ CellWindow LikelihoodField::Update(const SubmapGrid& grid, const std::vector<gri
   Cover(bounds);
   for (const grid::CellIndex& cell : changed) Clear(Dilated({cell, 1, 1}, margin));
   const CellWindow reaching = Dilated(bounds, 2 * margin);
-  const SubmapGrid::Hits& hits = grid.hits();
-  const SubmapGrid::Key first{reaching.min.row, reaching.min.column};
-  auto it = std::lower_bound(hits.begin(), hits.end(), first,
-                             [](const auto& hit, const SubmapGrid::Key& key) { return hit.first < key; });
-  for (; it != hits.end() && it->first.first < reaching.top(); ++it) {
-    const grid::CellIndex cell{it->first.second, it->first.first};
-    if (reaching.contains(cell.column, cell.row) && grid.IsOccupied(cell)) Stamp(it->second.mean);
-  }
+  grid.VisitOccupied(reaching.min, {reaching.right() - 1, reaching.top() - 1},
+                     [&](grid::CellIndex, const Eigen::Vector2d& mean) { Stamp(mean); });
   return Intersection(Dilated(bounds, margin), window_);
 }
 

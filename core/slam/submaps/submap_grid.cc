@@ -39,13 +39,6 @@ bool IsBefore(const SubmapGrid::Hits::value_type& a, const SubmapGrid::Hits::val
   return a.first < b.first;
 }
 
-// The first cell that is not before `key`.
-template <typename AnyHits>
-auto FirstFrom(AnyHits& hits, const SubmapGrid::Key& key) {
-  return std::lower_bound(hits.begin(), hits.end(), key,
-                          [](const auto& hit, const SubmapGrid::Key& wanted) { return hit.first < wanted; });
-}
-
 }  // namespace
 
 grid::LogOddsOptions LogOddsOptionsOf(const OccupancyOptions& options) {
@@ -100,10 +93,9 @@ absl::StatusOr<std::vector<grid::CellIndex>> SubmapGrid::Insert(const Pose2& T_s
   const auto [low, high] = Bounds(log_odds_, placed);
   // Occupied cells that this scan may turn free.
   std::vector<Key> occupied;
-  for (auto it = FirstFrom(hits_, {low.row, low.column}); it != hits_.end() && it->first.first <= high.row; ++it) {
-    const grid::CellIndex cell{it->first.second, it->first.first};
-    if (cell.column >= low.column && cell.column <= high.column && IsOccupied(cell)) occupied.push_back(it->first);
-  }
+  VisitOccupied(low, high, [&](grid::CellIndex cell, const Eigen::Vector2d&) {
+    occupied.push_back({cell.row, cell.column});
+  });
   ENFILADE_RETURN_IF_ERROR(log_odds_.Insert(placed));
   std::erase_if(occupied, [&](const Key& key) { return IsOccupied({key.second, key.first}); });
   const std::vector<Key> hit = AddHits(placed.hits);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -42,6 +44,14 @@ class SubmapGrid {
   // By row and column, each cell once. A cell with hits is occupied only while its log-odds are positive.
   const Hits& hits() const { return hits_; }
   bool IsOccupied(grid::CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
+  // Calls visit(cell, mean) for the occupied cells from column and row `low` to `high`, both included, row by row.
+  template <typename Visit>
+  void VisitOccupied(grid::CellIndex low, grid::CellIndex high, Visit&& visit) const {
+    for (auto it = FirstFrom(hits_, {low.row, low.column}); it != hits_.end() && it->first.first <= high.row; ++it) {
+      const grid::CellIndex cell{it->first.second, it->first.first};
+      if (cell.column >= low.column && cell.column <= high.column && IsOccupied(cell)) visit(cell, it->second.mean);
+    }
+  }
   // The hit means of the occupied cells, m, row by row.
   std::vector<Eigen::Vector2d> OccupiedPoints() const;
 
@@ -61,6 +71,13 @@ class SubmapGrid {
   }
 
  private:
+  // The first cell that is not before `key`.
+  template <typename AnyHits>
+  static auto FirstFrom(AnyHits& hits, const Key& key) {
+    return std::lower_bound(hits.begin(), hits.end(), key,
+                            [](const auto& hit, const Key& wanted) { return hit.first < wanted; });
+  }
+
   explicit SubmapGrid(grid::LogOddsGrid grid) : log_odds_(std::move(grid)) {}
 
   std::vector<Key> AddHits(const std::vector<Eigen::Vector2d>& hits);
