@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/rooms/distance_field.h"
 #include "core/rooms/ground.h"
 
 namespace enfilade::rooms {

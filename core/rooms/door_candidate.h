@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/rooms/distance_field.h"
 #include "core/rooms/ground.h"
 
 namespace enfilade::rooms {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/grid/occupancy_grid.h"
-#include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/door_evidence.h"
 #include "core/rooms/ground.h"

@@ -259,6 +259,12 @@ GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options
   return ground;
 }
 
+DistanceField DistancesToWalls(const GroundMap& ground) {
+  std::vector<std::uint8_t> obstacles(ground.cells.size());
+  for (std::size_t i = 0; i < obstacles.size(); ++i) obstacles[i] = ground.IsOpen(i) ? 0 : 1;
+  return grid::DistancesTo(obstacles, ground.width, ground.height);
+}
+
 Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map) {
   const Eigen::Vector2d p = Inverse(geometry.T_map_grid) * p_map;
   return p / geometry.resolution - Eigen::Vector2d(0.5, 0.5);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/grid/distance_field.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/rooms/room_options.h"
 
@@ -55,6 +56,11 @@ struct GroundMap {
 
 GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options,
                      std::span<const Eigen::Vector2d> trajectory);
+
+using grid::DistanceField;
+
+// To the nearest obstacle: wall or unknown; not clutter.
+DistanceField DistancesToWalls(const GroundMap& ground);
 
 // Between the map's frame, m, and cells.
 Eigen::Vector2d ToCells(const grid::GridGeometry& geometry, const Eigen::Vector2d& p_map);

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/ground.h"
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "core/geometry/pose2.h"
-#include "core/rooms/distance_field.h"
 #include "core/rooms/door_candidate.h"
 #include "core/rooms/door_lines.h"
 #include "core/rooms/door_odds.h"
