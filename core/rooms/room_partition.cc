@@ -65,7 +65,7 @@ class Partitioner {
  private:
   // Judges the lines again by what is around them.
   void LookAround() {
-    const std::vector<LineSides> sides = SurroundingsOf(ground_, cut_, lines_);
+    const std::vector<Surroundings> sides = SurroundingsOf(ground_, cut_, lines_);
     for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i].openness = OpennessOf(ValuesOf(lines_[i], sides[i]));
   }
 

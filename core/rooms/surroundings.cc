@@ -63,12 +63,13 @@ std::vector<std::size_t> DoorsAt(const GroundMap& ground, const std::vector<Door
 
 }  // namespace
 
-std::vector<LineSides> SurroundingsOf(const GroundMap& ground, const CutGround& cut,
-                                      const std::vector<DoorLine>& lines) {
+std::vector<Surroundings> SurroundingsOf(const GroundMap& ground, const CutGround& cut,
+                                         const std::vector<DoorLine>& lines) {
   const std::vector<Region> regions = MeasureRegions(ground, cut, lines);
   const std::vector<std::size_t> doors = DoorsAt(ground, lines);
   const double cell = ground.resolution;
-  std::vector<LineSides> surroundings;
+  const std::vector<LineContext> contexts = ContextsOf(ground, cut, lines);
+  std::vector<Surroundings> surroundings;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const DoorLine& line = lines[k];
     const auto side_at = [&](std::int32_t region, double sign) {
@@ -81,6 +82,7 @@ std::vector<LineSides> SurroundingsOf(const GroundMap& ground, const CutGround& 
       (line.openness < 0.0 ? own.doors : own.open) -= line.line.length();
       side.diameter = own.diameter * cell;
       side.area = own.area * cell * cell;
+      side.outline = own.outline * cell;
       side.door_share = own.doors / std::max(1.0, own.outline);
       side.open_share = own.open / std::max(1.0, own.outline);
       return side;
@@ -88,24 +90,28 @@ std::vector<LineSides> SurroundingsOf(const GroundMap& ground, const CutGround& 
     LineSides sides{side_at(cut.sides[k].before, 1.0), side_at(cut.sides[k].behind, -1.0)};
     const auto size = [](const LineSide& side) { return std::pair(side.diameter, side.area); };
     if (size(sides[1]) < size(sides[0])) std::swap(sides[0], sides[1]);
-    surroundings.push_back(sides);
+    LineContext context = contexts[k];
+    context.outline = std::min(sides[0].outline, sides[1].outline);
+    surroundings.push_back({sides, context});
   }
   return surroundings;
 }
 
-SurroundedValues ValuesOf(const DoorLine& line, const LineSides& sides) {
+SurroundedValues ValuesOf(const DoorLine& line, const Surroundings& surroundings) {
   constexpr double kMostArea = 100.0;    // m^2
   constexpr double kLeastLength = 0.05;  // m: both ends of a line may lie in one cell
   const double length = std::max(line.evidence.length, kLeastLength);
   const DoorValues own = ValuesOf(line.evidence);
   SurroundedValues all{};
   auto next = std::copy(own.begin(), own.end(), all.begin());
-  for (const LineSide& side : sides) {
+  for (const LineSide& side : surroundings.sides) {
     const std::array<double, kValuesOfSide> values{
         side.diameter,   side.diameter / length, std::sqrt(std::min(side.area, kMostArea)),
         side.door_share, side.open_share,        side.wider};
     next = std::copy(values.begin(), values.end(), next);
   }
+  const ContextValues context = ValuesOf(surroundings.context);
+  std::copy(context.begin(), context.end(), next);
   return all;
 }
 

@@ -232,7 +232,7 @@ class RoomsBench {
     rooms::WeighSilence(grid.geometry, known, lines);
     std::vector<rooms::DoorCandidate> cuts;
     for (const rooms::DoorLine& line : lines) cuts.push_back(line.line);
-    const std::vector<rooms::LineSides> sides =
+    const std::vector<rooms::Surroundings> sides =
         rooms::SurroundingsOf(ground, rooms::CutAlong(ground, field, cuts), lines);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       WriteRow(lines_, NameAndTruth(name, grid.geometry, lines[i].line, room_at), rooms::ValuesOf(lines[i], sides[i]));

@@ -38,7 +38,7 @@ std::vector<DoorLine> LinesOf(const grid::GridGeometry& geometry, double opennes
   return lines;
 }
 
-std::vector<LineSides> SidesOf(const std::vector<DoorLine>& lines) {
+std::vector<Surroundings> AroundLines(const std::vector<DoorLine>& lines) {
   const GroundMap ground = ReadGround(Corridor().grid, {}, {});
   std::vector<DoorCandidate> cuts;
   for (const DoorLine& line : lines) cuts.push_back(line.line);
@@ -47,39 +47,57 @@ std::vector<LineSides> SidesOf(const std::vector<DoorLine>& lines) {
 
 TEST(Surroundings, DoorsThatAreClosedMakeACorridorNoWider) {
   const grid::GridGeometry& geometry = Corridor().grid.geometry;
-  const LineSides closed = SidesOf(LinesOf(geometry, -1.0)).front();
+  const LineSides closed = AroundLines(LinesOf(geometry, -1.0)).front().sides;
   for (const LineSide& side : closed) EXPECT_LT(side.wider, 0.3);
-  const LineSides open = SidesOf(LinesOf(geometry, 1.0)).front();
+  const LineSides open = AroundLines(LinesOf(geometry, 1.0)).front().sides;
   for (const LineSide& side : open) EXPECT_GT(side.wider, 1.5);
 }
 
 TEST(Surroundings, AreThoseOfTheRegionsBesideALine) {
-  const std::vector<LineSides> sides = SidesOf(LinesOf(Corridor().grid.geometry, -1.0));
+  const std::vector<Surroundings> around = AroundLines(LinesOf(Corridor().grid.geometry, -1.0));
   // Half the corridor on either side, each with two doors, into whose openings the circle reaches.
-  for (const LineSide& half : sides[0]) {
+  for (const LineSide& half : around[0].sides) {
     EXPECT_NEAR(half.diameter, 1.5, 0.1);
     EXPECT_NEAR(half.area, 2.5, 0.4);
     EXPECT_NEAR(half.door_share, 2.6 / 6.5, 0.1);
     EXPECT_EQ(half.open_share, 0.0);
   }
   // Half the corridor, with another door and the line across, then the room.
-  for (std::size_t door = 1; door < sides.size(); ++door) {
-    EXPECT_NEAR(sides[door][0].diameter, 1.5, 0.1);
-    EXPECT_NEAR(sides[door][0].door_share, 2.6 / 6.5, 0.1);
-    EXPECT_NEAR(sides[door][1].diameter, 1.75, 0.2);
-    EXPECT_EQ(sides[door][1].door_share, 0.0);
+  for (std::size_t door = 1; door < around.size(); ++door) {
+    EXPECT_NEAR(around[door].sides[0].diameter, 1.5, 0.1);
+    EXPECT_NEAR(around[door].sides[0].door_share, 2.6 / 6.5, 0.1);
+    EXPECT_NEAR(around[door].sides[1].diameter, 1.75, 0.2);
+    EXPECT_EQ(around[door].sides[1].door_share, 0.0);
+  }
+}
+
+TEST(Surroundings, TellWhatWallsPartTheTwoRegions) {
+  const std::vector<Surroundings> around = AroundLines(LinesOf(Corridor().grid.geometry, -1.0));
+  EXPECT_EQ(around[0].context.parted, 0.0);  // no wall is between the halves of the corridor
+  for (std::size_t door = 1; door < around.size(); ++door) {
+    EXPECT_NEAR(around[door].context.parted, 0.7, 0.2);  // of the 2 m between a room and its half of the corridor
+    EXPECT_NEAR(around[door].context.opened, 1.3, 0.1);
+  }
+}
+
+TEST(Surroundings, DoorsOfACorridorLieInARow) {
+  const std::vector<Surroundings> around = AroundLines(LinesOf(Corridor().grid.geometry, -3.0));
+  EXPECT_EQ(around[0].context.row, 0.0);
+  for (std::size_t door = 1; door < around.size(); ++door) {
+    EXPECT_NEAR(around[door].context.row, 0.95, 0.05);
+    EXPECT_GT(around[door].context.alike, 0.6);  // the others and the line across, which is as long
   }
 }
 
 TEST(Surroundings, OfALineWithoutLengthAreNumbers) {
-  for (const double value : ValuesOf(DoorLine{}, LineSides{})) EXPECT_TRUE(std::isfinite(value));
+  for (const double value : ValuesOf(DoorLine{}, Surroundings{})) EXPECT_TRUE(std::isfinite(value));
 }
 
 TEST(Surroundings, ItDoesNotMatterWhichJambIsFirst) {
   std::vector<DoorLine> lines = LinesOf(Corridor().grid.geometry, -1.0);
-  const std::vector<LineSides> before = SidesOf(lines);
+  const std::vector<Surroundings> before = AroundLines(lines);
   for (DoorLine& line : lines) std::swap(line.line.a, line.line.b);
-  const std::vector<LineSides> after = SidesOf(lines);
+  const std::vector<Surroundings> after = AroundLines(lines);
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const SurroundedValues one = ValuesOf(lines[i], before[i]);
     const SurroundedValues other = ValuesOf(lines[i], after[i]);
