@@ -10,8 +10,10 @@ struct RoomOptions {
   double clutter = 0.8;               // m: obstacles that stand free and are no longer than this are no walls
   double max_door = 4.0;              // m, the width of a door
   double min_room = 1.0;              // m^2; smaller pieces belong to the room that they are most open to
-  double narrow_room = 2.0;           // m^2; so do pieces of less than this that no robot fits into,
-  double robot_radius = 0.4;          // m: between two lines across the same doorway, for example
+  // m^2; so do pieces of less than this that no robot has entered, such as a nook between furniture, or fits into: the
+  // ground between two lines across the same doorway, for example.
+  double small_room = 2.0;
+  double robot_radius = 0.4;  // m
   // m: a space is one piece unless it narrows by this much, on each side, between two wider places.
   double narrowing = 0.1;
 };

@@ -81,9 +81,10 @@ class Partitioner {
 
   // Joins rooms that are too small to be one to the neighbour that they are most open to, the smallest first.
   void AbsorbSmall() {
+    const std::set<std::int32_t> entered = EnteredRegions();
     while (true) {
       const std::map<int, std::int64_t> sizes = SizesOfRooms();
-      const std::set<int> small = TooSmall(sizes);
+      const std::set<int> small = TooSmall(sizes, entered);
       std::map<std::pair<int, int>, double> borders;
       for (std::size_t i = 0; i < lines_.size(); ++i) {
         const auto [one, other] = RoomsAt(i);
@@ -113,16 +114,19 @@ class Partitioner {
     return sizes;
   }
 
-  // The rooms of less than `min_room`, and the narrow ones of less than `narrow_room`.
-  std::set<int> TooSmall(const std::map<int, std::int64_t>& sizes) const {
+  // The rooms of less than `min_room`, and those of less than `small_room` that no robot has entered or fits into.
+  std::set<int> TooSmall(const std::map<int, std::int64_t>& sizes,
+                         const std::set<std::int32_t>& entered_regions) const {
     const double cell_area = geometry_.resolution * geometry_.resolution;
+    std::set<int> entered;
+    for (const std::int32_t region : entered_regions) entered.insert(room_of_region_[static_cast<std::size_t>(region)]);
     std::set<int> small;
     std::map<int, std::vector<std::size_t>> cells;  // of the rooms that may be narrow
     for (const auto& [room, size] : sizes) {
       const double area = static_cast<double>(size) * cell_area;
-      if (area < options_.min_room) {
+      if (area < options_.min_room || (area < options_.small_room && !entered.contains(room))) {
         small.insert(room);
-      } else if (area < options_.narrow_room) {
+      } else if (area < options_.small_room) {
         cells[room];
       }
     }
@@ -137,6 +141,18 @@ class Partitioner {
       if (InscribedRadius(own, geometry_.width) * geometry_.resolution < options_.robot_radius) small.insert(room);
     }
     return small;
+  }
+
+  std::set<std::int32_t> EnteredRegions() const {
+    std::set<std::int32_t> entered;
+    for (const Eigen::Vector2d& p_map : evidence_.trajectory) {
+      const Eigen::Vector2d p = ToCells(geometry_, p_map);
+      const int x = Rounded(p.x());
+      const int y = Rounded(p.y());
+      if (ground_.contains(x, y)) entered.insert(cut_.map.region[ground_.index(x, y)]);
+    }
+    entered.erase(RegionMap::kNone);
+    return entered;
   }
 
   std::pair<int, int> RoomsAt(std::size_t line) const {

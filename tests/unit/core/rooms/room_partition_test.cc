@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -166,11 +167,11 @@ TEST(RoomPartition, WhereNoRobotFitsBetweenTwoDoorsIsNoRoom) {
   EXPECT_NE(partition.RoomAt(drawn['a']), partition.RoomAt(drawn['b']));
   // Without the rule the place between them is one.
   RoomOptions options;
-  options.narrow_room = 0.0;
+  options.small_room = 0.0;
   EXPECT_EQ(PartitionRooms(drawn.grid, options).rooms.size(), 3U);
 }
 
-TEST(RoomPartition, ASmallRoomThatARobotFitsIntoIsARoom) {
+TEST(RoomPartition, ASmallRoomThatARobotHasEnteredIsARoom) {
   const DrawnRooms drawn({
       "###############",
       "#    #        #",
@@ -186,8 +187,11 @@ TEST(RoomPartition, ASmallRoomThatARobotFitsIntoIsARoom) {
       "#             #",
       "###############",
   });
-  const RoomPartition partition = PartitionRooms(drawn.grid);
-  EXPECT_NE(partition.RoomAt(drawn['a']), partition.RoomAt(drawn['b']));
+  const std::vector<Eigen::Vector2d> places{drawn['a'], drawn['b']};
+  const RoomPartition one = PartitionRooms(drawn.grid, {}, {.passages = {}, .trajectory = std::span(places).first(1)});
+  EXPECT_EQ(one.RoomAt(drawn['a']), one.RoomAt(drawn['b']));
+  const RoomPartition two = PartitionRooms(drawn.grid, {}, {.passages = {}, .trajectory = places});
+  EXPECT_NE(two.RoomAt(drawn['a']), two.RoomAt(drawn['b']));
 }
 
 TEST(RoomPartition, AHalfSeenRoomIsARoomAndUnknownGroundCutsNothing) {
