@@ -295,8 +295,10 @@ class DoorArranger {
 
   MapId NowOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
     if (link_point.is_candidate()) return MapOfSighting(anchor);
-    const bool is_passed_here = IsSurveyed(link_point) && !LeadsToCabin(link_point) && !IsSeenThrough(link_point);
-    return IsDoor(link_point) && !is_passed_here ? MapBeforeDoor(link_point, anchor) : plan_.NowOf(anchor.map);
+    if (IsDoor(link_point) && (!IsSurveyed(link_point) || IsSeenThrough(link_point))) {
+      return MapBeforeDoor(link_point, anchor);
+    }
+    return plan_.NowOf(anchor.map);
   }
 
   // A link point that is at no door that robots went through.

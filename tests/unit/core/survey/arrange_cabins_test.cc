@@ -112,21 +112,6 @@ TEST(ArrangeCabins, ADoorToAnotherLevelStaysTheCabinsIfMapsExchangeTheirRooms) {
   EXPECT_EQ(moved->direction, MapId("a"));
 }
 
-// A robot that came out of the cabin began map b in the corridor, and went on into the room that b is now.
-TEST(ArrangeCabins, TheDoorThatRobotsComeOutOfStaysTheCorridors) {
-  const Pose2 out{1.5, 2.75, M_PI / 2};
-  LevelSurvey survey;
-  survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}}),
-                   MakeDrive({{"s2", "b", kPlaceB, {{1.5, 3.4}, {1.5, 4.0}, {5.0, 4.0}, {5.0, 7.0}, {3.2, 7.0}}}})};
-  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
-  survey.link_points = {Join("d1", AnchorAt("a", {}, out), AnchorAt("cabin", {3.0, -2.0, 0.7}, out)),
-                        Join("d2", AnchorAt("cabin", {3.0, -2.0, 0.7}, out), AnchorAt("b", kPlaceB, out))};
-  survey.cabins = {MapId("cabin")};
-  const rearrange::Rearrangement change = Arrange(survey);
-  EXPECT_TRUE(rearrange::Validate(change).ok());
-  EXPECT_EQ(JoinedMaps(After(survey, change)), (std::multiset<std::set<std::string>>{{"a", "b"}, {"a", "cabin"}}));
-}
-
 TEST(ArrangeCabins, RidesStayInTheirCabinIfMapsExchangeTheirRooms) {
   LevelSurvey survey;
   survey.drives = {MakeDrive(
