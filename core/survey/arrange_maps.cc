@@ -238,7 +238,7 @@ class MapArranger {
     const graph::Anchor* cabin = door->FindAnchor(entry.cabin);
     if (hall == nullptr || cabin == nullptr || plan_.successors.contains(entry.cabin)) return;
     const bool reached = std::any_of(entry.visits.begin(), entry.visits.end(), [&](const Visit& visit) {
-      return Between(hall->T_map_place, visit.T_map_robot).translation().norm() >= options_.doorstep;
+      return Between(hall->T_map_place, visit.T_map_robot).translation().norm() >= options_.reach;
     });
     if (!reached || session.visits.empty()) return;
     const SessionId rest(new_id_());

@@ -6,9 +6,8 @@
 namespace enfilade::survey {
 
 struct SurveyOptions {
-  double reach = 0.3;     // m: a robot was in a room if it came this far from the place where it entered it
-  double doorstep = 0.5;  // m: and in a cabin if it came this far from its door
-  double snap = 0.4;      // m: a pose in no room belongs to a room this near
+  double reach = 0.5;  // m: a robot was in a room if it came this far from the place where it entered it
+  double snap = 0.4;   // m: a pose in no room belongs to a room this near
   // m: a link point this near to a door is that door's.
   double same_door = 1.0;
   // A link point stays as it is if its anchors agree within this much on where the door is.
