@@ -18,7 +18,7 @@ struct PendingSurvey {
   std::int64_t sessions = 0;  // that are mapped and judged, and that no survey has seen
   // A robot that has recorded some of them has recorded none for a second, and all of its are mapped.
   bool drive_ended = false;
-  // Sessions of the site have waited for two seconds to be mapped, or for the map that they are in.
+  // Sessions of the site have waited for two seconds to be mapped, or for the verdict that gives them their map.
   bool mapping_lags = false;
 
   friend bool operator==(const PendingSurvey&, const PendingSurvey&) = default;
