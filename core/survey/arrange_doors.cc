@@ -130,10 +130,13 @@ class DoorArranger {
                        [&](const graph::Anchor& anchor) { return plan_.T_level_map.contains(anchor.map); });
   }
 
-  // Of a lift on another level: the survey does not see who went there.
+  // To the cabin of a lift that is a map of another level, or was entered from one: the survey does not see all who went
+  // there.
   bool LeadsToCabin(const graph::LinkPoint& link_point) const {
-    return std::any_of(link_point.anchors.begin(), link_point.anchors.end(),
-                       [&](const graph::Anchor& anchor) { return survey_.cabins.contains(anchor.map); });
+    return std::any_of(link_point.anchors.begin(), link_point.anchors.end(), [&](const graph::Anchor& anchor) {
+      const SurveyedMap* map = survey_.FindMap(anchor.map);
+      return survey_.cabins.contains(anchor.map) || (map != nullptr && !map->rides.empty());
+    });
   }
 
   // Robots saw the rooms behind it from both of its sides. That they did not go through says nothing against it.
@@ -282,23 +285,19 @@ class DoorArranger {
     return map != nullptr ? *map : plan_.NowOf(anchor.map);
   }
 
-  // The map of the room on the anchor's side of a door that no robot of this level went through: maps may have
-  // exchanged their rooms.
+  // The map of the room on the anchor's side of a door that no robot of this level went through. Maps of other levels
+  // stay.
   MapId MapBeforeDoor(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
-    constexpr double kBeside = 0.6;  // m
+    if (survey_.FindMap(anchor.map) == nullptr) return anchor.map;
     const std::optional<Pose2> place = PlaceOfAnchor(anchor);
-    if (!place || link_point.direction.value().empty()) return plan_.NowOf(anchor.map);
-    const double ahead = link_point.direction == anchor.map ? kBeside : -kBeside;
-    const MapId* map = MapOfRoom(partition_.RoomAt(*place * Eigen::Vector2d(ahead, 0.0)));
+    const MapId* map = place ? MapOfRoom(RoomOnSide(partition_, link_point, anchor.map, *place)) : nullptr;
     return map != nullptr ? *map : plan_.NowOf(anchor.map);
   }
 
   MapId NowOf(const graph::LinkPoint& link_point, const graph::Anchor& anchor) const {
     if (link_point.is_candidate()) return MapOfSighting(anchor);
-    if (IsDoor(link_point) && (!IsSurveyed(link_point) || IsSeenThrough(link_point))) {
-      return MapBeforeDoor(link_point, anchor);
-    }
-    return plan_.NowOf(anchor.map);
+    const bool is_passed_here = IsSurveyed(link_point) && !LeadsToCabin(link_point) && !IsSeenThrough(link_point);
+    return IsDoor(link_point) && !is_passed_here ? MapBeforeDoor(link_point, anchor) : plan_.NowOf(anchor.map);
   }
 
   // A link point that is at no door that robots went through.
@@ -346,6 +345,13 @@ class DoorArranger {
 };
 
 }  // namespace
+
+int RoomOnSide(const rooms::RoomPartition& partition, const graph::LinkPoint& door, const MapId& map,
+               const Pose2& T_level_door) {
+  constexpr double kBeside = 0.6;  // m
+  if (door.direction.value().empty()) return 0;
+  return partition.RoomAt(T_level_door * Eigen::Vector2d(door.direction == map ? kBeside : -kBeside, 0.0));
+}
 
 void ArrangeDoors(const LevelInRooms& level, const MapPlan& plan, const SurveyOptions& options,
                   const std::function<std::string()>& new_id, rearrange::Rearrangement& result) {

@@ -116,35 +116,22 @@ class MapArranger {
       if (link_point.use == graph::LinkPointUse::kSuspended) continue;
       for (const graph::Anchor& cabin : link_point.anchors) {
         if (!survey_.cabins.contains(cabin.map)) continue;
-        for (const graph::Anchor& hall : link_point.anchors) ChooseCabin(partition, hall, cabin);
+        for (const graph::Anchor& hall : link_point.anchors) ChooseCabin(partition, link_point, hall, cabin);
       }
     }
   }
 
-  void ChooseCabin(const rooms::RoomPartition& partition, const graph::Anchor& hall, const graph::Anchor& cabin) {
+  void ChooseCabin(const rooms::RoomPartition& partition, const graph::LinkPoint& link_point,
+                   const graph::Anchor& hall, const graph::Anchor& cabin) {
     const auto T_level_hall = plan_.T_level_map.find(hall.map);
     if (survey_.cabins.contains(hall.map) || T_level_hall == plan_.T_level_map.end()) return;
     const Pose2 T_level_door = T_level_hall->second * hall.T_map_place;
-    const int room = RoomBehind(partition, T_level_door, hall.map);
+    const int room = RoomOnSide(partition, link_point, cabin.map, T_level_door);
+    if (room == 0 || room == RoomOnSide(partition, link_point, hall.map, T_level_door)) return;
     const auto now = plan_.map_of_room.find(room);
-    if (room == 0 || (now != plan_.map_of_room.end() && !MayGo(now->second))) return;
+    if (now != plan_.map_of_room.end() && !MayGo(now->second)) return;
     plan_.map_of_room[room] = cabin.map;
     plan_.T_level_map[cabin.map] = T_level_door * Inverse(cabin.T_map_place);
-  }
-
-  // The room on the other side of a door of `map`; 0: there is none.
-  int RoomBehind(const rooms::RoomPartition& partition, const Pose2& T_level_door, const MapId& map) const {
-    constexpr double kBeside = 0.6;  // m
-    int sides[2];
-    for (int i = 0; i < 2; ++i) {
-      sides[i] = partition.RoomAt(T_level_door * Eigen::Vector2d(i == 0 ? kBeside : -kBeside, 0.0));
-    }
-    const auto is_of_map = [&](int room) {
-      const auto found = plan_.map_of_room.find(room);
-      return found != plan_.map_of_room.end() && found->second == map;
-    };
-    if (is_of_map(sides[0]) == is_of_map(sides[1])) return 0;
-    return is_of_map(sides[0]) ? sides[1] : sides[0];
   }
 
   bool MayGo(const MapId& map) const {

@@ -107,7 +107,8 @@ class LevelMapper {
 
   // False: nothing says where the drive is.
   absl::StatusOr<bool> AddDrive(const StoredDrive& stored, const std::map<MapId, storage::Map>& maps) {
-    if (!IsDrivenByDoors(stored)) return true;
+    ENFILADE_ASSIGN_OR_RETURN(const bool is_driven_by_doors, reader_.IsDrivenByDoors(stored));
+    if (!is_driven_by_doors) return true;
     ENFILADE_ASSIGN_OR_RETURN(ReadDrive read, reader_.Read(stored));
     survey::Drive& drive = read.sessions;
     const auto first = std::find_if(drive.begin(), drive.end(),
@@ -328,9 +329,7 @@ class LevelMapper {
                                     .rides = rides[id]});
     }
     for (const graph::LinkPoint* link_point : graph_.graph().ListLinkPoints()) {
-      const bool here = std::any_of(link_point->anchors.begin(), link_point->anchors.end(),
-                                    [&](const graph::Anchor& anchor) { return surveyed.contains(anchor.map); });
-      if (here) level_.survey.link_points.push_back(*link_point);
+      level_.survey.link_points.push_back(*link_point);
     }
     return absl::OkStatus();
   }

@@ -19,6 +19,15 @@ bool IsByHand(const storage::StoredDoorReport& stored) { return stored.report.by
 
 }  // namespace
 
+absl::StatusOr<bool> DriveReader::IsDrivenByDoors(const StoredDrive& drive) const {
+  const auto has_reports = [](const storage::Session* session) { return session->record_counts.door_reports > 0; };
+  if (std::any_of(drive.begin(), drive.end(), has_reports)) return true;
+  const std::optional<SessionId>& previous = drive.front()->entry.previous;
+  if (!previous) return false;
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<sensor::DoorReport> passage, FindPassage(*previous));
+  return passage && !passage->by_hand;
+}
+
 absl::StatusOr<ReadDrive> DriveReader::Read(const StoredDrive& stored) const {
   ReadDrive drive;
   for (const storage::Session* session : stored) {

@@ -44,6 +44,10 @@ class DriveReader {
   DriveReader(const SurveyStores& stores, const SiteId& site, const std::function<absl::Status()>& proceed)
       : stores_(stores), site_(site), sessions_(stores.records, stores.mappings, site_, proceed) {}
 
+  // Whether the robot's detector reported doors in the drive, or the one that the robot came through. Maps that people
+  // record as one, or divide by hand, stay as they are.
+  absl::StatusOr<bool> IsDrivenByDoors(const StoredDrive& drive) const;
+
   // Empty if a person divided the drive by commands.
   absl::StatusOr<ReadDrive> Read(const StoredDrive& stored) const;
 

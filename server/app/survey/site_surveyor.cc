@@ -134,19 +134,17 @@ absl::StatusOr<std::optional<std::size_t>> SiteSurveyor::SurveyOnce(const SiteId
 }
 
 absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const SiteSurvey& survey, SiteCache& cache) {
-  std::int64_t version = survey.graph_version;
-  bool changed = false;
   for (const MappedLevel& level : survey.levels) {
     const rooms::RoomPartition& partition =
         cache.rooms[level.survey.level].Get(level.grid, level.passages, level.trajectory);
     const rearrange::Rearrangement rearrangement = survey::ArrangeMaps(level.survey, partition, options_, NewUuid);
     if (rearrangement.empty()) continue;
-    ENFILADE_RETURN_IF_ERROR(rearranger_.Apply(SurveyorContext(), lease, rearrangement, version).status());
-    changed = true;
-    ENFILADE_ASSIGN_OR_RETURN(const auto graph, graphs_.Get(SurveyorContext(), lease.site));
-    version = graph->graph().version();
+    // The other levels share link points and cabins of lifts with this one: they are surveyed again.
+    ENFILADE_RETURN_IF_ERROR(
+        rearranger_.Apply(SurveyorContext(), lease, rearrangement, survey.graph_version).status());
+    return true;
   }
-  return changed;
+  return false;
 }
 
 }  // namespace enfilade::server

@@ -73,11 +73,6 @@ std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>
   return drives;
 }
 
-bool IsDrivenByDoors(const StoredDrive& drive) {
-  return std::any_of(drive.begin(), drive.end(),
-                     [](const storage::Session* session) { return session->record_counts.door_reports > 0; });
-}
-
 std::string KeyOf(const StoredDrive& drive, Environment environment) { return KeysOf(drive, environment).back(); }
 
 std::string BeginningOf(const StoredDrive& drive, Environment environment) {

@@ -29,9 +29,6 @@ bool IsUnderWay(const storage::Session& session);
 std::vector<StoredDrive> DrivesOn(int level, const std::vector<storage::Session>& sessions,
                                   const std::map<MapId, storage::Map>& maps);
 
-// The robot's detector has found doors. Maps that people record as one, or divide by hand, stay as they are.
-bool IsDrivenByDoors(const StoredDrive& drive);
-
 // What the map of a drive depends on but for the drives before it. It stays the same when its sessions are cut or
 // moved.
 std::string KeyOf(const StoredDrive& drive, Environment environment);

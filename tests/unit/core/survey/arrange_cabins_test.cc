@@ -8,6 +8,8 @@
 namespace enfilade::survey {
 namespace {
 
+constexpr Pose2 kPlaceC{-1.0, 2.0, 0.4};
+
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -45,6 +47,64 @@ TEST(ArrangeCabins, ACabinOfALiftIsOneMapOnAllLevels) {
   EXPECT_EQ(JoinedMaps(After(survey, change)),
             (std::multiset<std::set<std::string>>{{"a", "cabin"}, {"cabin", "lobby"}}))
       << "the cabin's door of the other level stays";
+}
+
+// The cabin was left for the lobby's level in both of its maps. The lobby is not of this level.
+TEST(ArrangeCabins, ADoorOfAnotherLevelIsOneLinkPoint) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.link_points.push_back(
+      Join("d0", AnchorAt("cabin", {3.0, -2.0, 0.7}, {1.5, 2.75, M_PI / 2}), AnchorAt("lobby", {}, {})));
+  survey.link_points[2] = Join("d3", AnchorAt("b", kPlaceB, {1.5, 2.75, M_PI / 2}), AnchorAt("lobby", {}, {}));
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  EXPECT_EQ(JoinedMaps(After(survey, change)),
+            (std::multiset<std::set<std::string>>{{"a", "cabin"}, {"cabin", "lobby"}}));
+}
+
+// A robot came out of the lift and went on into a room, which is its map now.
+TEST(ArrangeCabins, ACabinIsFoundThoughTheMapInFrontOfItIsAnotherRooms) {
+  LevelSurvey survey = CorridorWithLift();
+  survey.drives.insert(survey.drives.begin(), MakeDrive({{"s0", "c", kPlaceC, {{1.5, 3.4}, {5.0, 4.0}, {5.0, 7.0}}},
+                                                         {"s4", "c", kPlaceC, {{5.0, 7.0}, {3.2, 7.0}, {5.0, 7.0}}}}));
+  survey.maps.push_back({.id = MapId("c")});
+  survey.link_points[0].anchors[1] = AnchorAt("c", kPlaceC, {1.5, 2.75, M_PI / 2});
+  survey.link_points[0].direction = MapId("c");
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  EXPECT_EQ(JoinedMaps(After(survey, change)),
+            (std::multiset<std::set<std::string>>{{"a", "c"}, {"a", "cabin"}, {"cabin", "lobby"}}));
+}
+
+// A robot that came out of the cabin began map b in the corridor, and went on into the room that b is now.
+TEST(ArrangeCabins, TheDoorThatRobotsComeOutOfStaysTheCorridors) {
+  const Pose2 out{1.5, 2.75, M_PI / 2};
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}}),
+                   MakeDrive({{"s2", "b", kPlaceB, {{1.5, 3.4}, {1.5, 4.0}, {5.0, 4.0}, {5.0, 7.0}, {3.2, 7.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, out), AnchorAt("cabin", {3.0, -2.0, 0.7}, out)),
+                        Join("d2", AnchorAt("cabin", {3.0, -2.0, 0.7}, out), AnchorAt("b", kPlaceB, out))};
+  survey.cabins = {MapId("cabin")};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  EXPECT_EQ(JoinedMaps(After(survey, change)), (std::multiset<std::set<std::string>>{{"a", "b"}, {"a", "cabin"}}));
+}
+
+// The same in the level of the cabin's map: the robot that came out had entered the cabin on another level.
+TEST(ArrangeCabins, TheDoorThatARideEndsAtStaysTheCorridors) {
+  const Pose2 out{1.5, 2.75, M_PI / 2};
+  LevelSurvey survey;
+  survey.drives = {
+      MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", kPlaceB, {{1.5, 2.0}, {3.0, 1.0}}}}),
+      MakeDrive({{"s3", "c", kPlaceC, {{1.5, 3.4}, {1.5, 4.0}, {5.0, 4.0}, {5.0, 7.0}, {3.2, 7.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true},
+                 {.id = MapId("b"), .rides = {{SessionId("r"), {}}}},
+                 {.id = MapId("c")}};
+  survey.link_points = {Join("d1", AnchorAt("a", {}, out), AnchorAt("b", kPlaceB, out)),
+                        Join("d2", AnchorAt("b", kPlaceB, out), AnchorAt("c", kPlaceC, out))};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  EXPECT_EQ(JoinedMaps(After(survey, change)), (std::multiset<std::set<std::string>>{{"a", "b"}, {"a", "c"}}));
 }
 
 // A robot went out of each of the cabin's two maps to the lobby's level.
