@@ -130,8 +130,8 @@ class DoorArranger {
                        [&](const graph::Anchor& anchor) { return plan_.T_level_map.contains(anchor.map); });
   }
 
-  // To the cabin of a lift that is a map of another level, or was entered from one: the survey does not see all who went
-  // there.
+  // To the cabin of a lift that is a map of another level, or was entered from one: the survey does not see all who
+  // went there.
   bool LeadsToCabin(const graph::LinkPoint& link_point) const {
     return std::any_of(link_point.anchors.begin(), link_point.anchors.end(), [&](const graph::Anchor& anchor) {
       const SurveyedMap* map = survey_.FindMap(anchor.map);

@@ -121,8 +121,8 @@ class MapArranger {
     }
   }
 
-  void ChooseCabin(const rooms::RoomPartition& partition, const graph::LinkPoint& link_point,
-                   const graph::Anchor& hall, const graph::Anchor& cabin) {
+  void ChooseCabin(const rooms::RoomPartition& partition, const graph::LinkPoint& link_point, const graph::Anchor& hall,
+                   const graph::Anchor& cabin) {
     const auto T_level_hall = plan_.T_level_map.find(hall.map);
     if (survey_.cabins.contains(hall.map) || T_level_hall == plan_.T_level_map.end()) return;
     const Pose2 T_level_door = T_level_hall->second * hall.T_map_place;

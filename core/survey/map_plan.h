@@ -35,8 +35,8 @@ struct LevelInRooms {
   const RoomsOfDrives& found;
 };
 
-// The room on the side of a door that `map` was on when the door was found: ahead if the door leads into the map, behind
-// it otherwise. Which map each side has now does not matter: maps may have exchanged their rooms. 0: in no room.
+// The room on the side of a door that `map` was on when the door was found: ahead if the door leads into the map,
+// behind it otherwise. Which map each side has now does not matter: maps may have exchanged their rooms. 0: in no room.
 // `T_level_door`: looks to where the door leads.
 int RoomOnSide(const rooms::RoomPartition& partition, const graph::LinkPoint& door, const MapId& map,
                const Pose2& T_level_door);

@@ -32,7 +32,7 @@ struct Sight {
 
 class TourPlanner {
  public:
-  explicit TourPlanner(Campus& campus) : campus_(campus), world_(campus) {
+  explicit TourPlanner(Campus& campus) : campus_(campus), world_(campus), lifts_(campus.lifts) {
     for (const auto& [level, height] : campus.levels) levels_.emplace_back(height, level);
     std::sort(levels_.begin(), levels_.end());
     for (const auto& [height, level] : levels_) grounds_.emplace(level, FreeGround(world_.level(level)));
@@ -41,6 +41,7 @@ class TourPlanner {
     }
   }
 
+  // Through the start's level, then through the others from the lowest on.
   absl::Status Plan() {
     const Sight* largest = nullptr;
     for (const Sight& sight : sights_) {
@@ -49,7 +50,23 @@ class TourPlanner {
     }
     if (!largest) return InvalidArgument("{}: there is no room for a robot in it", campus_.name);
     const Sight start = *largest;
-    robot_.id = "robot";
+    const std::vector<Sight> sights = sights_;
+    if (!Tour("robot", start)) return InvalidArgument("{}: its start cannot be reached again", campus_.name);
+    // The second robot begins in the same area, and goes through the levels the other way round, by other lifts.
+    std::reverse(levels_.begin(), levels_.end());
+    std::reverse(lifts_.begin(), lifts_.end());
+    const Sight beside =
+        *std::find_if(sights.rbegin(), sights.rend(), [&](const Sight& sight) { return sight.area == start.area; });
+    sights_ = sights;
+    Tour("robot2", beside);
+    return absl::OkStatus();
+  }
+
+ private:
+  // Adds the robot. False: it would not come back to its start.
+  bool Tour(const std::string& id, const Sight& start) {
+    robot_ = {};
+    robot_.id = id;
     robot_.level = level_ = start.level;
     robot_.route.push_back(StepTo(start.at));
     VisitLevel();
@@ -57,15 +74,14 @@ class TourPlanner {
       if (level != level_ && HasSights(level) && Ride(level)) VisitLevel();
     }
     if (level_ != start.level) Ride(start.level);
-    if (!GoTo(start.at)) return InvalidArgument("{}: its start cannot be reached again", campus_.name);
+    if (!GoTo(start.at)) return false;
     if (robot_.route.size() > 2) robot_.route.pop_back();  // the start itself, where a round begins
     if (robot_.route.size() < 2) robot_.route.push_back(StepTo(start.at));
     robot_.returns = true;
     campus_.robots.push_back(std::move(robot_));
-    return absl::OkStatus();
+    return true;
   }
 
- private:
   static RouteStep StepTo(const Eigen::Vector2d& point) {
     RouteStep step;
     step.point = point;
@@ -149,7 +165,7 @@ class TourPlanner {
 
   // By the first lift that goes there and can be reached.
   bool Ride(const std::string& level) {
-    for (const Lift& lift : campus_.lifts) {
+    for (const Lift& lift : lifts_) {
       const auto stops = [&](const std::string& at) {
         return std::find(lift.levels.begin(), lift.levels.end(), at) != lift.levels.end();
       };
@@ -174,7 +190,8 @@ class TourPlanner {
 
   Campus& campus_;
   const World world_;
-  std::vector<std::pair<double, std::string>> levels_;  // height, id; from the lowest
+  std::vector<Lift> lifts_;                             // in the order in which they are tried
+  std::vector<std::pair<double, std::string>> levels_;  // height, id; in the order in which they are visited
   std::map<std::string, FreeGround> grounds_;
   std::vector<Sight> sights_;  // still to visit
   Robot robot_;

@@ -27,7 +27,6 @@ constexpr auto kSurveyStoreTimeout = std::chrono::seconds(60);
 constexpr auto kLeaseTime = std::chrono::seconds(60);
 // What has changed is surveyed again, because maps that are rearranged may be seen differently.
 constexpr int kSurveysInARow = 50;
-constexpr int kUsualFailures = 10;
 
 storage::CallContext SurveyorContext() {
   storage::CallContext context = storage::CallContext::WithTimeout(kSurveyStoreTimeout);
@@ -94,7 +93,8 @@ SiteSurveyor::Found SiteSurveyor::SurveyPending() {
 void SiteSurveyor::CountFailure(const SiteId& site, const absl::Status& status) {
   const int failures = schedule_.CountFailure(site, Clock::now());
   // That robots have changed the graph meanwhile is usual, unless it goes on.
-  const bool usual = (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && failures % kUsualFailures != 0;
+  const bool usual =
+      (absl::IsAborted(status) || absl::IsFailedPrecondition(status)) && failures % SurveySchedule::kUsualFailures != 0;
   spdlog::log(usual ? spdlog::level::debug : spdlog::level::warn, "the survey of site {}: {}; will retry", site.value(),
               status.ToString());
 }
@@ -140,8 +140,7 @@ absl::StatusOr<bool> SiteSurveyor::Apply(const storage::SiteLease& lease, const 
     const rearrange::Rearrangement rearrangement = survey::ArrangeMaps(level.survey, partition, options_, NewUuid);
     if (rearrangement.empty()) continue;
     // The other levels share link points and cabins of lifts with this one: they are surveyed again.
-    ENFILADE_RETURN_IF_ERROR(
-        rearranger_.Apply(SurveyorContext(), lease, rearrangement, survey.graph_version).status());
+    ENFILADE_RETURN_IF_ERROR(rearranger_.Apply(SurveyorContext(), lease, rearrangement, survey.graph_version).status());
     return true;
   }
   return false;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/survey/survey_schedule.h"
 
+#include <algorithm>
+
 namespace enfilade::server {
 namespace {
 
 constexpr auto kRetry = std::chrono::seconds(2);
+constexpr int kMaxDoublings = 5;  // of the wait
 
 }  // namespace
 
@@ -24,8 +27,9 @@ void SurveySchedule::CountSurvey(const SiteId& site, std::size_t sessions, Clock
 
 int SurveySchedule::CountFailure(const SiteId& site, Clock::time_point time) {
   Site& failing = sites_[site];
-  failing.retry = time + kRetry;
-  return ++failing.failures;
+  ++failing.failures;
+  failing.retry = time + kRetry * (1 << std::clamp(failing.failures - kUsualFailures, 0, kMaxDoublings));
+  return failing.failures;
 }
 
 }  // namespace enfilade::server

@@ -26,6 +26,9 @@ class SurveySchedule {
  public:
   using Clock = std::chrono::steady_clock;
 
+  // What robots do meanwhile makes so many fail in a row. After that, each wait is twice as long as the last one.
+  static constexpr int kUsualFailures = 10;
+
   explicit SurveySchedule(const SurveyScheduleOptions& options) : options_(options) {}
 
   // A site of which nothing is known is due.
@@ -33,7 +36,8 @@ class SurveySchedule {
 
   // A survey that began at `time` has seen `sessions` sessions, new or not.
   void CountSurvey(const SiteId& site, std::size_t sessions, Clock::time_point time);
-  // A survey has failed: the next one must wait for a moment. Returns how many have failed in a row.
+  // A survey has failed: the next one must wait for a moment, and longer if many have failed in a row. Returns how many
+  // have.
   int CountFailure(const SiteId& site, Clock::time_point time);
 
  private:

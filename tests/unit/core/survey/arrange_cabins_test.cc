@@ -94,12 +94,11 @@ TEST(ArrangeCabins, TheDoorThatRobotsComeOutOfStaysTheCorridors) {
 TEST(ArrangeCabins, TheDoorThatARideEndsAtStaysTheCorridors) {
   const Pose2 out{1.5, 2.75, M_PI / 2};
   LevelSurvey survey;
-  survey.drives = {
-      MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", kPlaceB, {{1.5, 2.0}, {3.0, 1.0}}}}),
-      MakeDrive({{"s3", "c", kPlaceC, {{1.5, 3.4}, {1.5, 4.0}, {5.0, 4.0}, {5.0, 7.0}, {3.2, 7.0}}}})};
-  survey.maps = {{.id = MapId("a"), .root = true},
-                 {.id = MapId("b"), .rides = {{SessionId("r"), {}}}},
-                 {.id = MapId("c")}};
+  survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}},
+                              {"s2", "b", kPlaceB, {{1.5, 2.0}, {3.0, 1.0}}}}),
+                   MakeDrive({{"s3", "c", kPlaceC, {{1.5, 3.4}, {1.5, 4.0}, {5.0, 4.0}, {5.0, 7.0}, {3.2, 7.0}}}})};
+  survey.maps = {
+      {.id = MapId("a"), .root = true}, {.id = MapId("b"), .rides = {{SessionId("r"), {}}}}, {.id = MapId("c")}};
   survey.link_points = {Join("d1", AnchorAt("a", {}, out), AnchorAt("b", kPlaceB, out)),
                         Join("d2", AnchorAt("b", kPlaceB, out), AnchorAt("c", kPlaceC, out))};
   const rearrange::Rearrangement change = Arrange(survey);

@@ -95,9 +95,9 @@ lifts:
 )";
 
 // The areas through which the robot drives in one round, in order.
-std::vector<std::string> DriveAll(const Campus& campus) {
+std::vector<std::string> DriveAll(const Campus& campus, const Robot& robot) {
   const auto world = std::make_shared<const World>(campus);
-  RouteDriver driver(world, campus.robots[0], {}, 0.05);
+  RouteDriver driver(world, robot, {}, 0.05);
   std::vector<std::string> areas;
   while (true) {
     const auto step = driver.Next();
@@ -127,9 +127,15 @@ TEST(CampusOfBuilding, HasItsRoomsDoorsAndLifts) {
 TEST(CampusOfBuilding, IsToured) {
   ASSERT_OK_AND_ASSIGN(const prior::Building building, prior::ParseBuilding(kTwoFloors));
   ASSERT_OK_AND_ASSIGN(const Campus campus, CampusOf(building));
-  const std::vector<std::string> areas = DriveAll(campus);
-  for (const std::string area : {"G-1", "G-2", "lift", "F-1"}) EXPECT_THAT(areas, ::testing::Contains(area));
-  EXPECT_EQ(areas.front(), areas.back());
+  ASSERT_THAT(campus.robots, SizeIs(2));
+  std::set<std::string> begins;
+  for (const Robot& robot : campus.robots) {
+    const std::vector<std::string> areas = DriveAll(campus, robot);
+    for (const std::string area : {"G-1", "G-2", "lift", "F-1"}) EXPECT_THAT(areas, ::testing::Contains(area));
+    EXPECT_EQ(areas.front(), areas.back());
+    begins.insert(areas.front());
+  }
+  EXPECT_THAT(begins, SizeIs(1));
 }
 
 TEST(CampusOfBuilding, NeedsAreas) {
@@ -146,10 +152,29 @@ class RecordedBuildings : public ::testing::TestWithParam<const char*> {};
 TEST_P(RecordedBuildings, AreTouredWithoutRunningIntoWalls) {
   ENFILADE_RECORDING_OR_SKIP(file, std::string("maps/rmf_demos/") + GetParam() + ".building.yaml");
   ASSERT_OK_AND_ASSIGN(const Campus campus, LoadCampus(file.string()));
-  const std::vector<std::string> visited = DriveAll(campus);
-  const std::set<std::string> areas(visited.begin(), visited.end());
-  EXPECT_GE(campus.robots[0].route.size(), 3U);
-  EXPECT_GE(areas.size(), std::string(GetParam()) == "triple_H" ? 1U : 4U);
+  for (const Robot& robot : campus.robots) {
+    const std::vector<std::string> visited = DriveAll(campus, robot);
+    const std::set<std::string> areas(visited.begin(), visited.end());
+    EXPECT_GE(robot.route.size(), 3U);
+    EXPECT_GE(areas.size(), std::string(GetParam()) == "triple_H" ? 1U : 4U);
+  }
+}
+
+// What the robot's route names: lifts and the levels that it takes them to.
+std::vector<std::string> RidesOf(const Robot& robot) {
+  std::vector<std::string> rides;
+  for (const RouteStep& step : robot.route) {
+    if (step.kind == RouteStep::Kind::kLift) rides.push_back(step.name + " " + step.level);
+  }
+  return rides;
+}
+
+TEST(CampusOfBuilding, TheSecondRobotTakesTheLevelsTheOtherWayRoundByAnotherLift) {
+  ENFILADE_RECORDING_OR_SKIP(file, "maps/rmf_demos/hotel.building.yaml");
+  ASSERT_OK_AND_ASSIGN(const Campus campus, LoadCampus(file.string()));
+  ASSERT_THAT(campus.robots, SizeIs(2));
+  EXPECT_THAT(RidesOf(campus.robots[0]), ::testing::ElementsAre("Lift1 L2", "Lift1 L3", "Lift1 L1"));
+  EXPECT_THAT(RidesOf(campus.robots[1]), ::testing::ElementsAre("Lift2 L3", "Lift2 L2", "Lift2 L1"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Demos, RecordedBuildings, ::testing::Values("hotel", "office", "triple_H"));

@@ -64,6 +64,17 @@ TEST_F(SurveyScheduleTest, AfterAFailureASiteWaitsForAMoment) {
   EXPECT_EQ(schedule_.CountFailure(kSite, start_ + seconds(3)), 1) << "failures in a row";
 }
 
+TEST_F(SurveyScheduleTest, WhatFailsForEverIsTriedOnceAMinute) {
+  for (int i = 1; i <= 10; ++i) schedule_.CountFailure(kSite, start_);
+  EXPECT_TRUE(schedule_.IsDue(Ended(1), start_ + seconds(2)));
+  schedule_.CountFailure(kSite, start_);
+  EXPECT_FALSE(schedule_.IsDue(Ended(1), start_ + seconds(3)));
+  EXPECT_TRUE(schedule_.IsDue(Ended(1), start_ + seconds(4)));
+  for (int i = 0; i < 100; ++i) schedule_.CountFailure(kSite, start_);
+  EXPECT_FALSE(schedule_.IsDue(Ended(1), start_ + seconds(60)));
+  EXPECT_TRUE(schedule_.IsDue(Ended(1), start_ + seconds(64)));
+}
+
 TEST_F(SurveyScheduleTest, SitesDoNotWaitForEachOther) {
   schedule_.CountSurvey(SiteId("other"), 1000, start_);
   schedule_.CountFailure(SiteId("other"), start_);
