@@ -91,16 +91,22 @@ void StateMachine::On(const DoorDetected& seen) {
     if (passage_ && event.kind == doors::DoorEvent::Kind::kPassage) ReportPassage();
     return;
   }
-  if (event.kind == doors::DoorEvent::Kind::kPassage) {
-    OnPassage(event);
-  } else {
-    ReportCandidate(event);
+  if (event.kind == doors::DoorEvent::Kind::kCandidate) return ReportCandidate(event);
+  if (const auto out = lift_exit_.FindBefore(event.T_odom_door); out && out->door_time < event.door_time) {
+    OnPassage(*out);
+    return On(seen);
   }
+  OnPassage(event);
 }
 
 void StateMachine::OnPassage(const doors::DoorEvent& event) {
   passage_ = event;
   const bool before_ride = level_time_ && event.door_time <= *level_time_;
+  if (before_ride) {
+    lift_exit_.EnteredBy(event);
+  } else {
+    lift_exit_.Stop();
+  }
   passage_level_ = before_ride ? level_before_ : level_;
   Emit(ShowMessage{fmt::format("passed a door of {:.2f} m: {}", event.width, event.reason)});
   if (before_ride) {
@@ -118,7 +124,12 @@ void StateMachine::On(const Moved& moved) {
     stood_since_ = now_;
   }
   has_pose_ = true;
-  if (!passage_ || state_ != State::kMapping) return;
+  lift_exit_.Add(now_, T_odom_robot_);
+  if (state_ != State::kMapping) return;
+  if (!passage_) {
+    const auto out = lift_exit_.FindMissed();
+    return out ? OnPassage(*out) : void();
+  }
   const double behind = (passage_->T_odom_door.translation() - T_odom_robot_.translation()).norm();
   const double since = ToSeconds(now_ - passage_->time);
   const bool waits = behind >= kOutOfDoorway && ToSeconds(now_ - stood_since_) >= options_.report_standing;
@@ -224,7 +235,11 @@ void StateMachine::Do(const EnterLevel& command) {
   if (level_ == command.level) return;
   if (passage_ && state_ == State::kMapping) ReportPassage();
   level_before_ = std::exchange(level_, command.level);
-  if (has_pose_) level_time_ = now_;
+  if (!has_pose_) return;
+  level_time_ = now_;
+  if (!options_.automatic) return;
+  lift_exit_.Begin(T_odom_robot_);
+  if (passed_) lift_exit_.EnteredBy(*passed_);
 }
 
 void StateMachine::Do(const StopMapping&) {
@@ -283,6 +298,7 @@ bool StateMachine::RequirePose(std::string_view command) {
 
 void StateMachine::ReportPassage() {
   const doors::DoorEvent event = *std::exchange(passage_, std::nullopt);
+  passed_ = event;
   sensor::DoorReport report = ReportOf(event, sensor::DoorReport::Kind::kPassage, now_);
   report.entered_level = passage_level_;
   Emit(WriteReport{event.door, std::move(report)});

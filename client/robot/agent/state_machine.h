@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/robot/agent/lift_exit.h"
 #include "core/base/time.h"
 #include "core/doors/door_event.h"
 #include "core/geometry/pose2.h"
@@ -85,7 +86,8 @@ struct SetCandidate {
   graph::LinkPointKind place = graph::LinkPointKind::kDoor;
 };
 // The robot has come to another level, by what a lift or a barometer tells it. Later passages lead to this level. A
-// passage that is not reported yet, which led into the lift, is reported at once.
+// passage that is not reported yet, which led into the lift, is reported at once. So is the passage out of it that the
+// detector misses, once the robot has left the lift (lift_exit.h).
 struct EnterLevel {
   std::int32_t level = 0;
 };
@@ -194,8 +196,10 @@ class StateMachine {
 
   StateMachineOptions options_;
   State state_ = State::kInitialize;
-  std::vector<Action> actions_;                // in response to the current event
-  std::optional<doors::DoorEvent> passage_;    // to be reported once the robot is farther behind the door
+  std::vector<Action> actions_;              // in response to the current event
+  std::optional<doors::DoorEvent> passage_;  // to be reported once the robot is farther behind the door
+  std::optional<doors::DoorEvent> passed_;   // the last passage that was reported
+  LiftExit lift_exit_;
   std::optional<std::int32_t> level_;          // the robot's; unset: never told
   std::optional<std::int32_t> level_before_;   // that it came from,
   std::optional<TimeNs> level_time_;           // and when
