@@ -172,24 +172,29 @@ class DoorArranger {
     const graph::Anchor* a = link_point.FindAnchor(from);
     const graph::Anchor* b = link_point.FindAnchor(to);
     if (a == nullptr || b == nullptr) return false;
-    if (IsUnsure(*a, door) || IsUnsure(*b, door)) return false;
+    if (!IsAsSure(*a, door) || !IsAsSure(*b, door)) return false;
     const Pose2 error = Between(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b));
     return error.translation().norm() <= options_.apart && std::abs(error.yaw) <= options_.turned;
   }
 
-  // The variances of a door's anchor: x, y, yaw. Each passage is a measurement of its own.
-  Eigen::Vector3d VariancesOf(const PassedDoor& door) const {
-    const Eigen::Vector3d sigmas(options_.door_sigma, options_.door_sigma, options_.door_yaw_sigma);
-    return survey_.variance_factor / door.passages * sigmas.cwiseAbs2();
+  // The variances of a door's anchor in a map: x, y, yaw. Each passage is a measurement of its own.
+  Eigen::Vector3d VariancesOf(const PassedDoor& door, const MapId& map) const {
+    const auto found = plan_.extents.find(map);
+    const double extent = found == plan_.extents.end() ? 0.0 : found->second;
+    const double position = std::hypot(options_.door_sigma, options_.bend * extent);
+    const double yaw = std::hypot(options_.door_yaw_sigma, options_.yaw_bend * extent);
+    return survey_.variance_factor / door.passages * Eigen::Vector3d(position, position, yaw).cwiseAbs2();
   }
 
-  bool IsUnsure(const graph::Anchor& anchor, const PassedDoor& door) const {
-    const Eigen::Vector3d limits = options_.unsure * options_.unsure * VariancesOf(door);
-    return (anchor.covariance.diagonal().array() > limits.array()).any();
+  // About as sure as the survey. Of what was surer the survey has seen since that its map is larger, or bends.
+  bool IsAsSure(const graph::Anchor& anchor, const PassedDoor& door) const {
+    const Eigen::Array3d ratios = anchor.covariance.diagonal().array() / VariancesOf(door, anchor.map).array();
+    const double limit = options_.as_sure * options_.as_sure;
+    return (ratios <= limit).all() && (ratios >= 1.0 / limit).all();
   }
 
   graph::Anchor AnchorIn(const MapId& map, const PassedDoor& door) const {
-    return {map, Between(plan_.T_level_map.at(map), door.T_level_door), VariancesOf(door).asDiagonal()};
+    return {map, Between(plan_.T_level_map.at(map), door.T_level_door), VariancesOf(door, map).asDiagonal()};
   }
 
   std::vector<graph::Anchor> AnchorsOf(const PassedDoor& door, const MapId& from, const MapId& to) const {

@@ -30,6 +30,7 @@ class MapArranger {
     ChooseMaps();
     ChooseCabins(partition);
     BeginMaps();
+    MeasureMaps();
     MoveSessions();
     MoveRides(partition);
     RedirectEmptyMaps();
@@ -164,6 +165,29 @@ class MapArranger {
       AddReason(fmt::format("map {} covers several rooms: {:.0f} m of its drive get a map of their own",
                             session.map.value(), driven_.at({room, session.map})));
       result_.new_maps.push_back(std::move(seed));
+    }
+  }
+
+  void MeasureMaps() {
+    struct Sums {
+      double count = 0.0;
+      Eigen::Vector2d places = Eigen::Vector2d::Zero();
+      double squares = 0.0;
+    };
+    std::map<MapId, Sums> sums;
+    for (const Stretch& stretch : found_.stretches) {
+      Sums& of_map = sums[MapOf(stretch)];
+      const SurveyedSession& session = SessionOf(stretch);
+      for (std::size_t i = stretch.first; i <= stretch.last; ++i) {
+        const Eigen::Vector2d place = session.visits[i].T_level_robot.translation();
+        of_map.count += 1.0;
+        of_map.places += place;
+        of_map.squares += place.squaredNorm();
+      }
+    }
+    for (const auto& [map, of_map] : sums) {
+      const double variance = of_map.squares / of_map.count - (of_map.places / of_map.count).squaredNorm();
+      plan_.extents[map] = std::sqrt(std::max(variance, 0.0));
     }
   }
 

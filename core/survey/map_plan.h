@@ -20,6 +20,8 @@ struct MapPlan {
   std::map<int, MapId> map_of_room = {};
   std::map<MapId, Pose2> T_level_map = {};  // of all maps, existing and new
   std::map<MapId, MapId> successors = {};   // of the maps that disappear
+  // m: how far from its middle robots were in each map, the root mean square over their visits.
+  std::map<MapId, double> extents = {};
 
   // The map that a map of before is now: itself, its successor.
   const MapId& NowOf(const MapId& map) const {

@@ -93,5 +93,24 @@ TEST(Lift, RiddenAgainAndAgainItIsOneMapWithADoorOnEachLevel) {
   EXPECT_TRUE(comparison.exact) << ::testing::PrintToString(comparison.wrong);
 }
 
+// Three levels of Open-RMF's hotel. With this seed the robot's detector misses the way out of the lift on the second.
+TEST(Lift, LevelsStayApartIfTheWayOutOfTheLiftIsMissed) {
+  ENFILADE_RECORDING_OR_SKIP(hotel, "maps/rmf_demos/hotel.building.yaml");
+  WholeSystem system({});
+  CampusRun run;
+  run.campus = hotel.string();
+  run.seed = 51;
+  run.image_hz = 0.0;
+  run.cloud_hz = 0.0;
+  const Comparison comparison = RunCampus(system, run).comparison;
+  EXPECT_EQ(comparison.areas, 50);
+  EXPECT_EQ(comparison.components, 1);
+  EXPECT_EQ(comparison.false_placements, 0);
+  // Rooms of two levels in one map show as many missing ones.
+  EXPECT_LE(comparison.areas_missing, 1) << ::testing::PrintToString(comparison.wrong);
+  EXPECT_LE(comparison.maps_extra, 1) << ::testing::PrintToString(comparison.wrong);
+  EXPECT_LE(comparison.joins_wrong, 1) << ::testing::PrintToString(comparison.wrong);
+}
+
 }  // namespace
 }  // namespace enfilade::testing

@@ -7,12 +7,12 @@
 namespace enfilade::robot {
 namespace {
 
-constexpr double kDeepest = 5.0;     // m: no cabin is deeper
-constexpr double kStep = 0.1;        // m between the places of the way that are kept
-constexpr double kMissed = 3.0;      // m behind the door: the detector reports doors 1 to 2 m behind them
-constexpr double kSameDoor = 1.5;    // m
+constexpr double kDeepest = 5.0;      // m: no cabin is deeper
+constexpr double kStep = 0.1;         // m between the places of the way that are kept
+constexpr double kMissed = 3.0;       // m behind the door: the detector reports doors 1 to 2 m behind them
+constexpr double kSameDoor = 1.5;     // m
 constexpr double kDoorsMargin = 0.3;  // m beside the posts: odometry and the detector err
-constexpr double kOutOfCabin = 1.5;  // m from where the robot stood, if the door is not known
+constexpr double kOutOfCabin = 1.5;   // m from where the robot stood, if the door is not known
 
 double Distance(const Pose2& a, const Pose2& b) { return (a.translation() - b.translation()).norm(); }
 

@@ -90,6 +90,13 @@ TEST(ArrangeMaps, MapsThatAreRoomsStay) {
   EXPECT_TRUE(Arrange(survey).empty());
 }
 
+// Maps that are not bent: a door's anchors are as certain as the door.
+rearrange::Rearrangement ArrangeStraight(const LevelSurvey& survey) {
+  SurveyOptions options;
+  options.bend = options.yaw_bend = 0.0;
+  return ArrangeMaps(survey, Corridor(), options, NumberedIds());
+}
+
 // What a verdict at the door knew was little; the survey has seen both rooms as a whole.
 TEST(ArrangeMaps, AnUnsureLinkPointBecomesAsSureAsTheSurvey) {
   LevelSurvey survey;
@@ -100,7 +107,7 @@ TEST(ArrangeMaps, AnUnsureLinkPointBecomesAsSureAsTheSurvey) {
   survey.link_points = {Join("d1", AnchorAt("a", {}, door), AnchorAt("b", {1.0, 1.0, 0.3}, door))};
   survey.link_points[0].anchors[1].covariance(2, 2) = 0.04;  // 0.2 rad
   survey.variance_factor = 0.25;
-  const rearrange::Rearrangement change = Arrange(survey);
+  const rearrange::Rearrangement change = ArrangeStraight(survey);
   EXPECT_THAT(change.moves, IsEmpty());
   ASSERT_THAT(change.link_points, SizeIs(1));
   EXPECT_EQ(change.link_points[0].id, LinkPointId("d1"));
@@ -110,8 +117,10 @@ TEST(ArrangeMaps, AnUnsureLinkPointBecomesAsSureAsTheSurvey) {
     EXPECT_NEAR(std::sqrt(anchor.covariance(2, 2)), 0.5 * options.door_yaw_sigma, 1e-9);
   }
   survey.link_points = change.link_points;
-  survey.variance_factor = 0.15;  // as the drive goes on, little changes
-  EXPECT_TRUE(Arrange(survey).empty());
+  survey.variance_factor = 0.2;  // as the drive goes on, little changes
+  EXPECT_TRUE(ArrangeStraight(survey).empty());
+  survey.variance_factor = 0.5;  // it was too sure
+  EXPECT_THAT(ArrangeStraight(survey).link_points, SizeIs(1));
 }
 
 // Each passage measures the door's place once more.
@@ -121,13 +130,31 @@ TEST(ArrangeMaps, ADoorThatRobotsWentThroughOftenIsMoreCertain) {
   for (int i = 0; i < 2; ++i) way.insert(way.end(), {{1.5, 4.5}, {1.5, 1.0}});  // three passages
   survey.drives = {MakeDrive({{"s", "a", {}, way}})};
   survey.maps = {{.id = MapId("a"), .root = true}};
-  const rearrange::Rearrangement change = Arrange(survey);
+  const rearrange::Rearrangement change = ArrangeStraight(survey);
   ASSERT_THAT(change.link_points, SizeIs(1));
   const SurveyOptions options;
   for (const graph::Anchor& anchor : change.link_points[0].anchors) {
     EXPECT_NEAR(anchor.covariance(0, 0), options.door_sigma * options.door_sigma / 3.0, 1e-9);
     EXPECT_NEAR(anchor.covariance(2, 2), options.door_yaw_sigma * options.door_yaw_sigma / 3.0, 1e-9);
   }
+}
+
+// The farther robots went in a map, the more it bends.
+TEST(ArrangeMaps, DoorsOfALargeMapAreLessCertain) {
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s1", "a", {}, {{9.0, 4.0}, {1.5, 4.0}, {1.5, 3.4}}}, {"s2", "b", {}, {{1.5, 1.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}, {.id = MapId("b")}};
+  const rearrange::Rearrangement change = Arrange(survey);
+  ASSERT_THAT(change.link_points, SizeIs(1));
+  const SurveyOptions options;
+  const graph::Anchor& large = *change.link_points[0].FindAnchor(MapId("a"));
+  const graph::Anchor& small = *change.link_points[0].FindAnchor(MapId("b"));
+  EXPECT_NEAR(std::sqrt(small.covariance(0, 0)), options.door_sigma, 1e-9);
+  EXPECT_NEAR(std::sqrt(small.covariance(2, 2)), options.door_yaw_sigma, 1e-9);
+  // Evenly along 7.5 m, and a little of the way to the door: 2.2 m and somewhat more.
+  EXPECT_NEAR(std::sqrt(large.covariance(0, 0)), std::hypot(options.door_sigma, 2.35 * options.bend), 0.002);
+  EXPECT_NEAR(std::sqrt(large.covariance(2, 2)), std::hypot(options.door_yaw_sigma, 2.35 * options.yaw_bend), 0.0005);
+  EXPECT_GT(large.covariance(0, 0), 1.1 * small.covariance(0, 0));
 }
 
 TEST(ArrangeMaps, AnEmptyMapBehindTheLastDoorIsTheRoomThatTheDriveEndedIn) {
@@ -231,7 +258,7 @@ TEST(ArrangeMaps, DoorsThatTheDrivesCannotTellApartAreOne) {
   partition.doors = {{{0.8, 2.75}, {1.6, 2.75}, {1, 2}}, {{2.2, 2.75}, {3.0, 2.75}, {1, 2}}};
   const auto arrange = [&] { return ArrangeMaps(survey, partition, {}, NumberedIds()); };
   EXPECT_THAT(arrange().link_points, SizeIs(2));
-  survey.variance_factor = 100.0;
+  survey.variance_factor = 400.0;
   const rearrange::Rearrangement change = arrange();
   EXPECT_THAT(change.link_points, SizeIs(1));
   EXPECT_THAT(RedundantAfter(survey, change), IsEmpty());

@@ -175,7 +175,8 @@ inline graph::LinkPoint Join(const std::string& id, const graph::Anchor& a, cons
 }
 
 inline graph::Anchor AnchorAt(const std::string& map, const Pose2& T_level_map, const Pose2& T_level_place) {
-  return {MapId(map), Between(T_level_map, T_level_place), Eigen::Matrix3d::Identity() * 1e-4};
+  const Eigen::Vector3d sigmas(0.026, 0.026, 0.0105);  // about those of a survey
+  return {MapId(map), Between(T_level_map, T_level_place), sigmas.cwiseAbs2().asDiagonal()};
 }
 
 inline rearrange::Rearrangement Arrange(const LevelSurvey& survey) {
