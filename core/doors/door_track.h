@@ -16,7 +16,7 @@ struct DoorTrack {
   int hits = 0;  // scans that saw it
   TimeNs last_hit = 0;
   std::int64_t door = 0;  // its number once latched; 0: not yet
-  bool reported = false;  // as a candidate
+  bool reported = false;  // as a candidate, or not to be
   TimeNs latch_time = 0;
   Pose2 T_odom_latch;
   double crossed_at = -1.0;  // travelled, m, where the path crossed it; -1: not yet

@@ -141,6 +141,7 @@ void GapDetector::SearchBehind(std::vector<DoorEvent>& events) {
       if (track.crossed_at < 0.0 || track.crossed_at + 2.0 * kCrossing > at) continue;
       track.hits = 0;  // done with
       track.crossed_at = -1.0;
+      track.reported = true;  // the robot went through: it is a passage, or no door
     }
   }
 }

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/doors/door_detector.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <random>
+#include <string>
 
 #include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/simulation.h"
+#include "client/simulator/simulation_files.h"
 #include "core/sensor/scan_pairing.h"
 #include "tests/support/pose_matchers.h"
 #include "tests/support/status_assertions.h"
@@ -25,11 +28,10 @@ struct Driven {
   simulator::GroundTruth truth;
 };
 
-Driven Drive(const char* yaml, const simulator::SimulationOptions& options = {}) {
-  absl::StatusOr<simulator::Campus> campus = simulator::ParseCampus(yaml);
-  EXPECT_OK(campus.status());
-  const auto world = std::make_shared<const simulator::World>(*std::move(campus));
-  absl::StatusOr<simulator::Drive> drive = simulator::SimulateDrive(world, "r", options);
+Driven DriveThrough(const simulator::Campus& campus, const std::string& robot,
+                    const simulator::SimulationOptions& options = {}) {
+  const auto world = std::make_shared<const simulator::World>(campus);
+  absl::StatusOr<simulator::Drive> drive = simulator::SimulateDrive(world, robot, options);
   EXPECT_OK(drive.status());
   Driven driven;
   driven.truth = drive->truth;
@@ -40,6 +42,12 @@ Driven Drive(const char* yaml, const simulator::SimulationOptions& options = {})
       driven.scans.push_back({0, std::move(*scan), T_odom_robot});
   }
   return driven;
+}
+
+Driven Drive(const char* yaml, const simulator::SimulationOptions& options = {}) {
+  const absl::StatusOr<simulator::Campus> campus = simulator::ParseCampus(yaml);
+  EXPECT_OK(campus.status());
+  return DriveThrough(*campus, "r", options);
 }
 
 std::vector<DoorEvent> Detect(const std::vector<sensor::PairedScan>& scans, const DoorOptions& options = {}) {
@@ -114,6 +122,19 @@ robots: [{id: r, route: [[1.5, 2.5], [4.6, 2.5], {wait: 1}, {turn_to_deg: 180}, 
     EXPECT_EQ(candidates[0].T_odom_door, latched[0].T_odom_robot) << "the robot's pose when it was latched";
     EXPECT_EQ(candidates[0].door_time, latched[0].time);
     EXPECT_LT(std::abs(candidates[0].T_odom_door.yaw), 0.2) << "looking at the door";
+  }
+}
+
+// What looks like a door from afar, and proves to be none when the robot has gone through. The sightings are forgotten
+// then.
+TEST(DoorDetector, AGapThatTheRobotHasGoneThroughIsNoCandidate) {
+  ASSERT_OK_AND_ASSIGN(const simulator::Campus campus, simulator::LoadCampus("suites:2019"));
+  const std::vector<DoorEvent> events = Detect(DriveThrough(campus, "robot").scans);
+  EXPECT_FALSE(Only(events, Kind::kPassage).empty());
+  const auto candidates = Only(events, Kind::kCandidate);
+  EXPECT_FALSE(candidates.empty());
+  for (const DoorEvent& candidate : candidates) {
+    EXPECT_THAT(candidate.ahead.reason, ::testing::Not(::testing::StartsWith("0 scans"))) << candidate.door;
   }
 }
 
