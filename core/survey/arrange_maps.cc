@@ -30,7 +30,7 @@ class MapArranger {
     ChooseMaps();
     ChooseCabins(partition);
     BeginMaps();
-    MeasureMaps();
+    MeasureExtents();
     MoveSessions();
     MoveRides(partition);
     RedirectEmptyMaps();
@@ -168,7 +168,8 @@ class MapArranger {
     }
   }
 
-  void MeasureMaps() {
+  // How far robots went in each map as it will be.
+  void MeasureExtents() {
     struct Sums {
       double count = 0.0;
       Eigen::Vector2d places = Eigen::Vector2d::Zero();

@@ -81,7 +81,7 @@ struct LevelSurvey {
   double variance_factor = 1.0;        // of the drives' SLAM (core/slam/state/variance_factor.h), the largest
   std::vector<SurveyedMap> maps = {};  // all maps of the level's sessions
   std::vector<AwaitedMap> awaited = {};
-  std::vector<graph::LinkPoint> link_points = {};  // of the site: what becomes of those here may be there already
+  std::vector<graph::LinkPoint> link_points = {};  // of the whole site: a changed one may equal another level's
   // Of link_points: doors that robots saw through from both sides (core/closure/plans/match_door.h).
   std::set<LinkPointId> seen_through = {};
   std::set<MapId> cabins = {};  // of lifts: maps of other levels in which robots came to another one

@@ -127,8 +127,8 @@ void StateMachine::On(const Moved& moved) {
   lift_exit_.Add(now_, T_odom_robot_);
   if (state_ != State::kMapping) return;
   if (!passage_) {
-    const auto out = lift_exit_.FindMissed();
-    return out ? OnPassage(*out) : void();
+    if (const auto out = lift_exit_.FindMissed()) OnPassage(*out);
+    return;
   }
   const double behind = (passage_->T_odom_door.translation() - T_odom_robot_.translation()).norm();
   const double since = ToSeconds(now_ - passage_->time);

@@ -125,8 +125,8 @@ robots: [{id: r, route: [[1.5, 2.5], [4.6, 2.5], {wait: 1}, {turn_to_deg: 180}, 
   }
 }
 
-// What looks like a door from afar, and proves to be none when the robot has gone through. The sightings are forgotten
-// then.
+// What looks like a door from afar, and proves to be none when the robot has gone through: its sightings are forgotten
+// then, so that a candidate of it would have none.
 TEST(DoorDetector, AGapThatTheRobotHasGoneThroughIsNoCandidate) {
   ASSERT_OK_AND_ASSIGN(const simulator::Campus campus, simulator::LoadCampus("suites:2019"));
   const std::vector<DoorEvent> events = Detect(DriveThrough(campus, "robot").scans);

@@ -44,7 +44,7 @@ class StateMachineLevels : public ::testing::Test {
     Handle(MovedTo(20.0, 1.5));
   }
 
-  // To `x` in steps of 0.5 m and as many seconds.
+  // From one x to another, 0.5 m in 0.5 s at a time.
   void DriveBack(double& seconds, double from, double to) {
     for (double x = from; x >= to; x -= 0.5) Handle(MovedTo(seconds += 0.5, x));
   }
