@@ -3,16 +3,40 @@
 
 #include <zstd.h>
 
+#include <memory>
+
 #include "core/base/error.h"
 
 namespace enfilade {
+namespace {
+
+// Higher levels compress submaps by 3 % more, and take longer.
+constexpr int kLevel = 1;
+
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+
+// Their tables are larger than most of what is compressed, so each thread keeps its own.
+ZSTD_CCtx* CompressionContext() {
+  thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
+  return context.get();
+}
+
+ZSTD_DCtx* DecompressionContext() {
+  thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
+  return context.get();
+}
+
+}  // namespace
 
 std::string Compress(std::string_view bytes) {
-  std::string compressed(ZSTD_compressBound(bytes.size()), '\0');
-  const std::size_t size = ZSTD_compress(compressed.data(), compressed.size(), bytes.data(), bytes.size(), 3);
-  compressed.resize(ZSTD_isError(size) ? 0 : size);
-  compressed.shrink_to_fit();  // kept as long as the map grows
-  return compressed;
+  const std::size_t bound = ZSTD_compressBound(bytes.size());
+  const auto compressed = std::make_unique_for_overwrite<char[]>(bound);
+  const std::size_t size =
+      ZSTD_compressCCtx(CompressionContext(), compressed.get(), bound, bytes.data(), bytes.size(), kLevel);
+  return {compressed.get(), ZSTD_isError(size) ? 0 : size};
 }
 
 absl::StatusOr<std::string> Decompress(std::string_view compressed, std::size_t max_size) {
@@ -21,7 +45,8 @@ absl::StatusOr<std::string> Decompress(std::string_view compressed, std::size_t 
     return DataLoss("{} bytes are not compressed data of at most {} bytes", compressed.size(), max_size);
   }
   std::string bytes(size, '\0');
-  const std::size_t done = ZSTD_decompress(bytes.data(), bytes.size(), compressed.data(), compressed.size());
+  const std::size_t done =
+      ZSTD_decompressDCtx(DecompressionContext(), bytes.data(), bytes.size(), compressed.data(), compressed.size());
   if (ZSTD_isError(done) || done != size) {
     return DataLoss("{} compressed bytes are damaged: {}", compressed.size(),
                     ZSTD_isError(done) ? ZSTD_getErrorName(done) : "too short");

@@ -8,7 +8,7 @@
 
 namespace enfilade {
 
-// zstd, level 3. Deterministic.
+// zstd. Deterministic.
 std::string Compress(std::string_view bytes);
 
 // DATA_LOSS if `compressed` is not the result of Compress or claims to hold more than `max_size` bytes.

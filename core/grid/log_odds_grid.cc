@@ -260,14 +260,16 @@ absl::StatusOr<LogOddsGrid> LogOddsGrid::Read(BinaryReader& reader, const LogOdd
       static_cast<std::int64_t>(grid.cells_.size()) != std::int64_t{grid.width_} * grid.height_) {
     return DataLoss("the bytes are not those of a log-odds grid");
   }
-  const auto is_beyond = [lowest = grid.lowest_, highest = grid.highest_](std::int16_t value) {
-    return (value != kUnknown) & ((value < lowest) | (value > highest));
-  };
-  bool beyond = false;
-  for (const std::int16_t value : grid.cells_) beyond |= is_beyond(value);  // without a branch: grids are large
-  if (beyond) {
-    return DataLoss("a log-odds cell holds {}, beyond the bounds {} and {} of the options",
-                    *std::find_if(grid.cells_.begin(), grid.cells_.end(), is_beyond), grid.lowest_, grid.highest_);
+  // Compiles to vector instructions: grids are large. kUnknown is below all other values.
+  std::int16_t least = grid.highest_;
+  std::int16_t most = grid.lowest_;
+  for (const std::int16_t value : grid.cells_) {
+    least = std::min(least, value == kUnknown ? grid.highest_ : value);
+    most = std::max(most, value);
+  }
+  if (least < grid.lowest_ || most > grid.highest_) {
+    return DataLoss("log-odds cells hold values from {} to {}, beyond the bounds {} and {} of the options", least, most,
+                    grid.lowest_, grid.highest_);
   }
   return grid;
 }

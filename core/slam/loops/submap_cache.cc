@@ -2,6 +2,7 @@
 #include "core/slam/loops/submap_cache.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace enfilade::slam {
@@ -16,6 +17,21 @@ Item* Use(std::list<Item>& items, std::int64_t id) {
   return &items.front();
 }
 
+template <typename Item>
+std::size_t BytesOf(const std::list<Item>& items) {
+  return std::accumulate(items.begin(), items.end(), std::size_t{0},
+                         [](std::size_t bytes, const Item& item) { return bytes + item.bytes(); });
+}
+
+// Drops the items that were not used for longest, but for `least`, until no more than `bytes` are left.
+template <typename Item>
+void Trim(std::list<Item>& items, std::size_t least, std::size_t bytes) {
+  if (items.size() <= least) return;
+  for (std::size_t held = BytesOf(items); items.size() > least && held > bytes; items.pop_back()) {
+    held -= items.back().bytes();
+  }
+}
+
 }  // namespace
 
 const SearchableSubmap& SubmapCache::Get(std::int64_t id, const FinishedSubmap& submap) {
@@ -23,7 +39,7 @@ const SearchableSubmap& SubmapCache::Get(std::int64_t id, const FinishedSubmap& 
   const Grid* known = Use(grids_, id);
   SubmapGrid grid = known ? known->grid : DecodeSubmapContent(submap.content, options_.occupancy)->grid;
   entries_.push_front({id, SearchableSubmap(std::move(grid), options_.pyramid)});
-  if (entries_.size() > static_cast<std::size_t>(options_.loop.cached_submaps)) entries_.pop_back();
+  Trim(entries_, static_cast<std::size_t>(options_.loop.cached_submaps), kept_bytes_);
   return entries_.front().submap;
 }
 
@@ -35,17 +51,10 @@ const SubmapGrid& SubmapCache::GetGrid(std::int64_t id, const FinishedSubmap& su
 
 const SubmapGrid& SubmapCache::Put(std::int64_t id, SubmapGrid grid) {
   grids_.push_front({id, std::move(grid)});
-  if (grids_.size() > most_grids_) grids_.pop_back();
+  Trim(grids_, 1, kept_bytes_);
   return grids_.front().grid;
 }
 
-std::size_t SubmapCache::bytes() const {
-  std::size_t bytes = 0;
-  for (const Entry& entry : entries_) {
-    bytes += sizeof(Entry) + entry.submap.grid.bytes() + entry.submap.pyramid.bytes();
-  }
-  for (const Grid& grid : grids_) bytes += sizeof(Grid) + grid.grid.bytes();
-  return bytes;
-}
+std::size_t SubmapCache::bytes() const { return BytesOf(entries_) + BytesOf(grids_); }
 
 }  // namespace enfilade::slam

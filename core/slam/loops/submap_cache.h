@@ -11,12 +11,13 @@
 
 namespace enfilade::slam {
 
-// The submaps last used by loop closing, decompressed, with their pyramids: at most `loop.cached_submaps`; and, without
-// pyramids, at most `grids` grids. What is returned depends on the submap only, not on earlier calls, and is valid
-// until the next one. `submap.content` must be valid: finished by this program, or checked when restored.
+// The submaps last used by loop closing, decompressed: `loop.cached_submaps` with their pyramids, and one grid without;
+// of each kind more, as long as they take no more than `bytes`. What is returned depends on the submap only, not on
+// earlier calls, and is valid until the next one. `submap.content` must be valid: finished by this program, or checked
+// when restored.
 class SubmapCache {
  public:
-  explicit SubmapCache(const SlamOptions& options, std::size_t grids = 1) : options_(options), most_grids_(grids) {}
+  explicit SubmapCache(const SlamOptions& options, std::size_t bytes = 0) : options_(options), kept_bytes_(bytes) {}
 
   const SearchableSubmap& Get(std::int64_t id, const FinishedSubmap& submap);
   const SubmapGrid& GetGrid(std::int64_t id, const FinishedSubmap& submap);
@@ -30,14 +31,18 @@ class SubmapCache {
   struct Entry {
     std::int64_t id = 0;
     SearchableSubmap submap;
+
+    std::size_t bytes() const { return sizeof(Entry) + submap.grid.bytes() + submap.pyramid.bytes(); }
   };
   struct Grid {
     std::int64_t id = 0;
     SubmapGrid grid;
+
+    std::size_t bytes() const { return sizeof(Grid) + grid.bytes(); }
   };
 
   SlamOptions options_;
-  std::size_t most_grids_;
+  std::size_t kept_bytes_;
   std::list<Entry> entries_;  // most recently used first
   std::list<Grid> grids_;     // the same
 };

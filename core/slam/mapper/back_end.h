@@ -16,8 +16,9 @@ namespace enfilade::slam {
 // belongs to one growing state.
 class BackEnd {
  public:
-  // `grids`: those that `submaps` keeps.
-  explicit BackEnd(const SlamOptions& options, std::size_t grids = 1) : options_(options), cache_(options, grids) {}
+  // `cache_bytes`: those of SubmapCache.
+  explicit BackEnd(const SlamOptions& options, std::size_t cache_bytes = 0)
+      : options_(options), cache_(options, cache_bytes) {}
 
   // Looks for the keyframe in earlier submaps, and solves the graph if that is due.
   void CloseLoops(const SlamNode& node, const grid::ScanRays& rays, MapperState& state);

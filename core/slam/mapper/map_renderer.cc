@@ -162,7 +162,8 @@ CellWindow MapRenderer::KnownWindow(const Tiles& tiles) {
 void MapRenderer::Add(Tiles& tiles, const SubmapGrid& grid, const Pose2& T_map_submap, int sign) const {
   const CellWindow mapped = MappedWindow(grid, T_map_submap);
   if (mapped.empty()) return;
-  const PlacedGrid placed{grid, Inverse(T_map_submap), mapped};
+  const KnownBlocks known(grid.log_odds());
+  const PlacedGrid placed{grid, known, Inverse(T_map_submap), mapped};
   for (int row = mapped.min.row >> kTileBits; row <= (mapped.top() - 1) >> kTileBits; ++row) {
     for (int column = mapped.min.column >> kTileBits; column <= (mapped.right() - 1) >> kTileBits; ++column) {
       AddToTile(tiles, {row, column}, placed, sign);
@@ -184,7 +185,23 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGr
   const auto height = static_cast<std::uint64_t>(cells.height());
   const std::int64_t column_step = ToFixed(c * resolution_ / r);
   const std::int64_t row_step = ToFixed(s * resolution_ / r);
+  // That many columns of the map are no longer than a block.
+  const int stride = std::max(1, static_cast<int>(KnownBlocks::kSide * r / resolution_));
   std::vector<Cell>* sums = nullptr;
+  const auto add = [&](int row, int column, std::int64_t from_column, std::int64_t from_row) {
+    // Negative indices become large ones.
+    if (static_cast<std::uint64_t>(from_column) >= width || static_cast<std::uint64_t>(from_row) >= height) return;
+    const std::int16_t value =
+        values[static_cast<std::size_t>(from_row) * width + static_cast<std::size_t>(from_column)];
+    if (value == grid::LogOddsGrid::kUnknown) return;
+    if (sums == nullptr) {
+      sums = &tiles[index];
+      sums->resize(tile.cell_count());
+    }
+    Cell& sum = (*sums)[tile.index(column, row)];
+    sum.log_odds += sign * value;
+    sum.known += sign;
+  };
   for (int row = w.min.row; row < w.top(); ++row) {
     const double y = (row + 0.5) * resolution_;
     // The columns whose centres lie in the submap's window, and one more on each side.
@@ -197,21 +214,17 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGr
     const double x = (first + 0.5) * resolution_;
     std::int64_t column_at = ToFixed((T_submap_map.x + c * x - s * y) / r - min.column);
     std::int64_t row_at = ToFixed((T_submap_map.y + s * x + c * y) / r - min.row);
-    for (int column = first; column < end; ++column, column_at += column_step, row_at += row_step) {
-      const std::int64_t from_column = column_at >> kFixedBits;
-      const std::int64_t from_row = row_at >> kFixedBits;
-      // Negative indices become large ones.
-      if (static_cast<std::uint64_t>(from_column) >= width || static_cast<std::uint64_t>(from_row) >= height) continue;
-      const std::int16_t value =
-          values[static_cast<std::size_t>(from_row) * width + static_cast<std::size_t>(from_column)];
-      if (value == grid::LogOddsGrid::kUnknown) continue;
-      if (sums == nullptr) {
-        sums = &tiles[index];
-        sums->resize(tile.cell_count());
+    for (int column = first; column < end;) {
+      const int next = std::min(column + stride, end);
+      if (!placed.known.IsNear(column_at >> kFixedBits, row_at >> kFixedBits)) {
+        column_at += (next - column) * column_step;
+        row_at += (next - column) * row_step;
+        column = next;
+        continue;
       }
-      Cell& sum = (*sums)[tile.index(column, row)];
-      sum.log_odds += sign * value;
-      sum.known += sign;
+      for (; column < next; ++column, column_at += column_step, row_at += row_step) {
+        add(row, column, column_at >> kFixedBits, row_at >> kFixedBits);
+      }
     }
   }
   const auto unknown = [](const Cell& cell) { return cell.known == 0; };

@@ -9,6 +9,7 @@
 
 #include "core/grid/occupancy_grid.h"
 #include "core/slam/matching/cell_window.h"
+#include "core/slam/submaps/known_blocks.h"
 #include "core/slam/submaps/submap_grid.h"
 
 namespace enfilade::slam {
@@ -44,6 +45,7 @@ class MapRenderer {
   // A submap's grid at a pose.
   struct PlacedGrid {
     const SubmapGrid& grid;
+    const KnownBlocks& known;
     Pose2 T_submap_map;
     CellWindow window;  // the cells of the map that it can touch
   };

@@ -22,8 +22,8 @@ namespace {
 // Bytes. Larger pictures are drawn from the start each time.
 constexpr std::size_t kMostTiles = 64U << 20U;
 
-// How many submaps' grids are kept while sessions are appended: each is needed several times.
-constexpr std::size_t kKeptGrids = 64;
+// For submaps, and as much for their pyramids, while sessions are appended: each is needed several times.
+constexpr std::size_t kKeptBytes = 64U << 20U;
 
 // How many of a session's keyframes are matched to the last submap before it, and how far from the first, m.
 constexpr int kTieKeyframes = 5;
@@ -155,7 +155,7 @@ Track EndOf(const Renumbered& session, const std::vector<sensor::PairedScan>& sc
 }  // namespace
 
 SessionChain::SessionChain(const SlamOptions& options, const std::optional<ExistingMap>& existing)
-    : options_(options), back_end_(options, kKeptGrids) {
+    : options_(options), back_end_(options, kKeptBytes) {
   if (!existing) return;
   state_.entry = existing->entry;
   state_.finished[0] = FinishExistingMap(1, ContentOf(existing->grid, options_));
@@ -267,7 +267,7 @@ ChainedMap SessionChain::Finish() {
   std::sort(result.trajectory.begin(), result.trajectory.end(),
             [](const StampedPose& a, const StampedPose& b) { return a.time < b.time; });
   if (renderer_->bytes() > kMostTiles) renderer_.reset();
-  back_end_ = BackEnd(options_, kKeptGrids);  // its cache is needed while sessions are appended
+  back_end_ = BackEnd(options_, kKeptBytes);  // its cache is needed while sessions are appended
   return result;
 }
 

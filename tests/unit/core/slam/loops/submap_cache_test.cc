@@ -77,8 +77,37 @@ TEST_F(SubmapCacheTest, HoldsNoMoreThanItsLimit) {
   }
 }
 
+TEST_F(SubmapCacheTest, KeepsMoreIfThereIsRoom) {
+  SubmapCache all(options_, 1U << 30U);
+  for (std::int64_t id = 0; id < 4; ++id) Get(all, id);
+  const std::size_t bytes = all.bytes();
+  SubmapCache cache(options_, bytes);
+  const SearchableSubmap* first = &Get(cache, 0);
+  for (std::int64_t id = 1; id < 4; ++id) Get(cache, id);
+  EXPECT_EQ(cache.bytes(), bytes);
+  EXPECT_EQ(&Get(cache, 0), first);
+  SubmapCache smaller(options_, bytes - 1);
+  for (std::int64_t id = 0; id < 4; ++id) Get(smaller, id);
+  SubmapCache without_first(options_, 1U << 30U);
+  for (std::int64_t id = 1; id < 4; ++id) Get(without_first, id);
+  EXPECT_EQ(smaller.bytes(), without_first.bytes());
+}
+
+TEST_F(SubmapCacheTest, KeepsGridsIfThereIsRoom) {
+  SubmapCache cache(options_, 1U << 30U);
+  const SubmapGrid* two = &cache.GetGrid(2, submaps_[2]);
+  cache.GetGrid(3, submaps_[3]);
+  EXPECT_EQ(&cache.GetGrid(2, submaps_[2]), two);
+  SubmapCache one(options_);
+  one.GetGrid(2, submaps_[2]);
+  const std::size_t bytes = one.bytes();
+  one.GetGrid(3, submaps_[3]);
+  one.GetGrid(2, submaps_[2]);
+  EXPECT_EQ(one.bytes(), bytes);
+}
+
 TEST_F(SubmapCacheTest, GivesGridsAlone) {
-  SubmapCache cache(options_, 2);
+  SubmapCache cache(options_);
   const SubmapGrid decoded = DecodeSubmapContent(submaps_[3].content, {})->grid;
   const SubmapGrid* three = &cache.GetGrid(3, submaps_[3]);
   EXPECT_TRUE(*three == decoded);
@@ -89,7 +118,7 @@ TEST_F(SubmapCacheTest, GivesGridsAlone) {
 }
 
 TEST_F(SubmapCacheTest, NeedNotDecompressGridsThatWerePut) {
-  SubmapCache cache(options_, 2);
+  SubmapCache cache(options_);
   FinishedSubmap lost = submaps_[0];
   lost.content.clear();  // cannot be decompressed
   const SubmapGrid grid = DecodeSubmapContent(submaps_[0].content, {})->grid;

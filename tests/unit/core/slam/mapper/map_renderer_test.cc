@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "core/slam/submaps/robot_rays.h"
 #include "tests/unit/core/slam/synthetic_drive.h"
@@ -103,6 +104,33 @@ TEST_F(MapRendererTest, DrawsTheActiveSubmapWithoutKeepingIt) {
   Place(placed, 0, {});
   Place(placed, 1, {20.0, 0.0, 0.0});
   EXPECT_TRUE(placed.Render(nullptr, {}) == with_active);
+}
+
+// What was seen through a narrow door is far from everything else in the submap.
+TEST_F(MapRendererTest, DrawsScatteredCells) {
+  std::mt19937 random(7);
+  for (int drawing = 0; drawing < 20; ++drawing) {
+    grid::OccupancyGrid seen;
+    seen.geometry = {.resolution = kResolution, .T_map_grid = {-2.0, 0.35, 0.0}, .width = 150, .height = 90};
+    seen.cells.assign(seen.geometry.cell_count(), grid::kUnknownCell);
+    for (int i = 0; i < 1 + drawing; ++i) seen.cells[random() % seen.cells.size()] = grid::CellFromProbability(0.9);
+    const SubmapGrid submap = SubmapGrid::FromOccupancy(seen, {});
+    const Pose2 pose{1.0, -2.0, 0.3 * drawing};
+    MapRenderer renderer = Renderer();
+    renderer.Place(0, pose, [&]() -> const SubmapGrid& { return submap; });
+    const grid::OccupancyGrid grid = renderer.Render(nullptr, {});
+    const Pose2 T_submap_map = Inverse(Pose2{1.0, -2.0, std::round(pose.yaw / 5e-4) * 5e-4});  // as it is drawn
+    int known = 0;
+    for (int row = -200; row < 200; ++row) {
+      for (int column = -200; column < 200; ++column) {
+        const Eigen::Vector2d p((column + 0.5) * kResolution, (row + 0.5) * kResolution);
+        const bool expected = submap.log_odds().ValueAt(submap.log_odds().CellOf(T_submap_map * p)) > 0;
+        EXPECT_EQ(Occupied(grid, p.x(), p.y()), expected) << "drawing " << drawing << ", " << p.transpose();
+        known += expected ? 1 : 0;
+      }
+    }
+    EXPECT_GT(known, 0);
+  }
 }
 
 TEST_F(MapRendererTest, AsksForAGridOnlyWhereSomethingMoved) {
