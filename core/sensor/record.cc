@@ -41,6 +41,13 @@ struct PayloadCheck {
   absl::Status operator()(const Withheld& withheld) const { return ValidateReason("withheld.reason", withheld.reason); }
   absl::Status operator()(const DoorReport& report) const {
     if (absl::Status status = ValidateTime(report.door_time); !status.ok()) return status;
+    if (report.level_time) {
+      if (absl::Status status = ValidateTime(*report.level_time); !status.ok()) return status;
+      if (*report.level_time > report.time) {
+        return InvalidArgument("door_report.level_time is {} s after its time",
+                               ToSeconds(*report.level_time - report.time));
+      }
+    }
     if (report.door_time > report.time) {
       return InvalidArgument("door_report.door_time is {} s after its time", ToSeconds(report.door_time - report.time));
     }

@@ -76,6 +76,8 @@ struct DoorReport {
   std::optional<std::int32_t> entered_level;  // unset: unchanged
   bool by_hand = false;                       // reported by a person, not the detector
   std::string reason;                         // human-readable
+  // kPassage only: when the robot came to entered_level, if that was before the door, in the cabin of a lift.
+  std::optional<TimeNs> level_time = {};
 
   friend bool operator==(const DoorReport&, const DoorReport&) = default;
 };

@@ -9,6 +9,8 @@ namespace enfilade::sensor {
 namespace {
 
 constexpr std::uint8_t kRecordVersion = 1;
+// A door report that ends with level_time. Others keep the version that older programs know.
+constexpr std::uint8_t kLevelTimeVersion = 2;
 
 struct PayloadWriter {
   BinaryWriter& writer;
@@ -56,6 +58,7 @@ struct PayloadWriter {
     writer.Put(report.entered_level.value_or(0));
     writer.Put(report.by_hand);
     writer.PutString(report.reason);
+    if (report.level_time) writer.Put(*report.level_time);
   }
 };
 
@@ -103,7 +106,7 @@ PointCloud ReadPointCloud(BinaryReader& reader) {
   return cloud;
 }
 
-DoorReport ReadDoorReport(BinaryReader& reader) {
+DoorReport ReadDoorReport(BinaryReader& reader, std::uint8_t version) {
   DoorReport report;
   report.time = reader.Get<TimeNs>();
   report.kind = reader.Get<DoorReport::Kind>();
@@ -117,14 +120,24 @@ DoorReport ReadDoorReport(BinaryReader& reader) {
   if (has_level) report.entered_level = level;
   report.by_hand = reader.Get<bool>();
   report.reason = std::string(reader.GetString());
+  if (version == kLevelTimeVersion) report.level_time = reader.Get<TimeNs>();
   return report;
+}
+
+std::uint8_t VersionOf(const Record& record) {
+  const auto* report = std::get_if<DoorReport>(&record.payload);
+  return report != nullptr && report->level_time ? kLevelTimeVersion : kRecordVersion;
+}
+
+bool IsKnown(std::uint8_t version, RecordKind kind) {
+  return version == kRecordVersion || (version == kLevelTimeVersion && kind == RecordKind::kDoorReport);
 }
 
 }  // namespace
 
 void AppendPayload(const Record& record, std::string& out) {
   BinaryWriter writer(out);
-  writer.Put(kRecordVersion);
+  writer.Put(VersionOf(record));
   std::visit(PayloadWriter{writer}, record.payload);
 }
 
@@ -136,7 +149,8 @@ std::string EncodePayload(const Record& record) {
 
 absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std::string_view bytes) {
   BinaryReader reader(bytes);
-  if (const auto version = reader.Get<std::uint8_t>(); version != kRecordVersion) {
+  const auto version = reader.Get<std::uint8_t>();
+  if (!IsKnown(version, kind)) {
     return DataLoss("record {}: payload version {} is unknown to this program", sequence, version);
   }
   Record record;
@@ -158,7 +172,7 @@ absl::StatusOr<Record> DecodePayload(std::int64_t sequence, RecordKind kind, std
       record.payload = Withheld{std::string(reader.GetString())};
       break;
     case RecordKind::kDoorReport:
-      record.payload = ReadDoorReport(reader);
+      record.payload = ReadDoorReport(reader, version);
       break;
     default:
       return DataLoss("record {}: kind {} is unknown to this program", sequence, static_cast<int>(kind));

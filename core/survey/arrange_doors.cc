@@ -19,7 +19,6 @@ struct PassedDoor {
   int from = 0;    // rooms
   int to = 0;
   Pose2 T_level_door = {};  // in its middle, looking from `from` to `to`
-  int passages = 1;         // how often robots went through
 };
 
 bool JoinSameRooms(int a, int b, int c, int d) { return (a == c && b == d) || (a == d && b == c); }
@@ -73,11 +72,7 @@ class DoorArranger {
       if (other.index == door.index && other.index >= 0) return true;
       return (other.T_level_door.translation() - door.T_level_door.translation()).norm() < options_.same_door;
     });
-    if (known == passed_.end()) {
-      passed_.push_back(door);
-    } else {
-      ++known->passages;
-    }
+    if (known == passed_.end()) passed_.push_back(door);
   }
 
   void Run() {
@@ -167,34 +162,41 @@ class DoorArranger {
   }
 
   // Does it join the two maps where the survey has the door, and is it about as sure of that?
-  bool IsRight(const graph::LinkPoint& link_point, const PassedDoor& door, const MapId& from, const MapId& to) const {
+  bool IsRight(const graph::LinkPoint& link_point, const MapId& from, const MapId& to) const {
     if (link_point.anchors.size() != 2) return false;
     const graph::Anchor* a = link_point.FindAnchor(from);
     const graph::Anchor* b = link_point.FindAnchor(to);
     if (a == nullptr || b == nullptr) return false;
-    if (!IsAsSure(*a, door) || !IsAsSure(*b, door)) return false;
-    const Pose2 error = Between(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b));
-    return error.translation().norm() <= options_.apart && std::abs(error.yaw) <= options_.turned;
+    if (!IsAsSure(*a, VariancesOf(from)) || !IsAsSure(*b, VariancesOf(to))) return false;
+    return AreSamePlace(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b), VariancesOf(from) + VariancesOf(to));
   }
 
-  // The variances of a door's anchor in a map: x, y, yaw. Each passage is a measurement of its own.
-  Eigen::Vector3d VariancesOf(const PassedDoor& door, const MapId& map) const {
+  // Whether the difference is small beside what is stated of it.
+  static bool AreSamePlace(const Pose2& one, const Pose2& other, const Eigen::Vector3d& variances) {
+    constexpr double kSigmas = 0.3;
+    const Pose2 error = Between(one, other);
+    return error.translation().norm() <= kSigmas * std::sqrt(variances.x()) &&
+           std::abs(error.yaw) <= kSigmas * std::sqrt(variances.z());
+  }
+
+  // The variances of a door's anchor in a map: x, y, yaw. However often robots went through, the map bends the same.
+  Eigen::Vector3d VariancesOf(const MapId& map) const {
     const auto found = plan_.extents.find(map);
     const double extent = found == plan_.extents.end() ? 0.0 : found->second;
     const double position = std::hypot(options_.door_sigma, options_.bend * extent);
     const double yaw = std::hypot(options_.door_yaw_sigma, options_.yaw_bend * extent);
-    return survey_.variance_factor / door.passages * Eigen::Vector3d(position, position, yaw).cwiseAbs2();
+    return survey_.variance_factor * Eigen::Vector3d(position, position, yaw).cwiseAbs2();
   }
 
   // About as sure as the survey. Of what was surer the survey has seen since that its map is larger, or bends.
-  bool IsAsSure(const graph::Anchor& anchor, const PassedDoor& door) const {
-    const Eigen::Array3d ratios = anchor.covariance.diagonal().array() / VariancesOf(door, anchor.map).array();
+  bool IsAsSure(const graph::Anchor& anchor, const Eigen::Vector3d& variances) const {
+    const Eigen::Array3d ratios = anchor.covariance.diagonal().array() / variances.array();
     const double limit = options_.as_sure * options_.as_sure;
     return (ratios <= limit).all() && (ratios >= 1.0 / limit).all();
   }
 
   graph::Anchor AnchorIn(const MapId& map, const PassedDoor& door) const {
-    return {map, Between(plan_.T_level_map.at(map), door.T_level_door), VariancesOf(door, map).asDiagonal()};
+    return {map, Between(plan_.T_level_map.at(map), door.T_level_door), VariancesOf(map).asDiagonal()};
   }
 
   std::vector<graph::Anchor> AnchorsOf(const PassedDoor& door, const MapId& from, const MapId& to) const {
@@ -229,7 +231,7 @@ class DoorArranger {
     const graph::LinkPoint* existing = FindExisting(door, *from, *to);
     if (existing != nullptr) settled_.insert(existing->id);
     if (existing != nullptr && IsPinned(*existing, {*from, *to})) return Keep(*existing);
-    if (existing != nullptr && IsRight(*existing, door, *from, *to)) return Arrange(*existing, existing);
+    if (existing != nullptr && IsRight(*existing, *from, *to)) return Arrange(*existing, existing);
     graph::LinkPoint link_point;
     if (existing != nullptr) {
       link_point = *existing;
@@ -327,12 +329,41 @@ class DoorArranger {
                            {anchor.T_map_place, anchor.covariance});
       anchor = {now, there.pose, there.covariance};
     }
+    MoveWithRide(moved);
+    PutAtCabin(moved);
     std::set<MapId> maps;
     std::erase_if(moved.anchors, [&](const graph::Anchor& anchor) { return !maps.insert(anchor.map).second; });
     if (maps.size() < std::min<std::size_t>(link_point.anchors.size(), 2)) {
       return Remove(link_point);  // its maps are one room
     }
     Arrange(moved, &link_point);
+  }
+
+  void MoveWithRide(graph::LinkPoint& door) const {
+    const auto ride = plan_.moved_ways_out.find(door.id);
+    if (ride == plan_.moved_ways_out.end() || door.pinned) return;
+    for (graph::Anchor& anchor : door.anchors) {
+      if (anchor.map == ride->second.first) anchor.T_map_place = ride->second.second * anchor.T_map_place;
+    }
+  }
+
+  // A door of a cabin that robots came to the level in is where the cabin is, seen from the hall in front of it.
+  void PutAtCabin(graph::LinkPoint& door) const {
+    if (door.is_candidate() || door.pinned || door.anchors.size() != 2) return;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const graph::Anchor& cabin = door.anchors[i];
+      graph::Anchor& hall = door.anchors[1 - i];
+      const auto T_level_hall = plan_.T_level_map.find(hall.map);
+      if (T_level_hall == plan_.T_level_map.end() || survey_.cabins.contains(hall.map)) continue;
+      const auto T_level_cabin = plan_.T_level_map.find(cabin.map);
+      if (T_level_cabin == plan_.T_level_map.end() || !survey_.cabin_places.contains(cabin.map)) continue;
+      const Pose2 T_hall_door = Between(T_level_hall->second, T_level_cabin->second * cabin.T_map_place);
+      Eigen::Vector3d variances = VariancesOf(hall.map);
+      const bool is_same = AreSamePlace(hall.T_map_place, T_hall_door, variances);
+      variances.z() += options_.ride_yaw_sigma * options_.ride_yaw_sigma;
+      if (is_same && IsAsSure(hall, variances)) continue;
+      hall = {hall.map, T_hall_door, variances.asDiagonal()};
+    }
   }
 
   void Remove(const graph::LinkPoint& link_point) { result_.removed_link_points.push_back(link_point.id); }
@@ -350,13 +381,6 @@ class DoorArranger {
 };
 
 }  // namespace
-
-int RoomOnSide(const rooms::RoomPartition& partition, const graph::LinkPoint& door, const MapId& map,
-               const Pose2& T_level_door) {
-  constexpr double kBeside = 0.6;  // m
-  if (door.direction.value().empty()) return 0;
-  return partition.RoomAt(T_level_door * Eigen::Vector2d(door.direction == map ? kBeside : -kBeside, 0.0));
-}
 
 void ArrangeDoors(const LevelInRooms& level, const MapPlan& plan, const SurveyOptions& options,
                   const std::function<std::string()>& new_id, rearrange::Rearrangement& result) {

@@ -27,12 +27,16 @@ class MapArranger {
 
   void Run(const rooms::RoomPartition& partition) {
     plan_.T_level_map = PlaceMaps(survey_, options_);
+    for (const auto& [cabin, T_level_cabin] : survey_.cabin_places) {
+      if (survey_.FindMap(cabin) != nullptr) plan_.T_level_map[cabin] = T_level_cabin;
+    }
     ChooseMaps();
     ChooseCabins(partition);
     BeginMaps();
     MeasureExtents();
     MoveSessions();
     MoveRides(partition);
+    PutRidesBegun();
     RedirectEmptyMaps();
     RedirectAwaitedMaps(partition);
   }
@@ -132,7 +136,9 @@ class MapArranger {
     const auto now = plan_.map_of_room.find(room);
     if (now != plan_.map_of_room.end() && !MayGo(now->second)) return;
     plan_.map_of_room[room] = cabin.map;
-    plan_.T_level_map[cabin.map] = T_level_door * Inverse(cabin.T_map_place);
+    const auto measured = survey_.cabin_places.find(cabin.map);
+    plan_.T_level_map[cabin.map] =
+        measured != survey_.cabin_places.end() ? measured->second : T_level_door * Inverse(cabin.T_map_place);
   }
 
   bool MayGo(const MapId& map) const {
@@ -255,7 +261,11 @@ class MapArranger {
     if (!reached || session.visits.empty()) return;
     const SessionId rest(new_id_());
     result_.cuts.push_back({session.id, entry.visits.front().sequence, rest});
-    result_.moves.push_back({rest, entry.cabin, cabin->T_map_place * Inverse(hall->T_map_place)});
+    const auto T_level_cabin = survey_.cabin_places.find(entry.cabin);
+    const Pose2 T_cabin_hall = T_level_cabin != survey_.cabin_places.end()
+                                   ? Between(T_level_cabin->second, *PlaceOf(session))
+                                   : cabin->T_map_place * Inverse(hall->T_map_place);
+    result_.moves.push_back({rest, entry.cabin, T_cabin_hall});
   }
 
   void Move(const SurveyedSession& part, const MapId& target) {
@@ -282,6 +292,22 @@ class MapArranger {
         MoveRide(ride, map.id, now->second);
         moved_rides_.insert(ride.session);
       }
+    }
+  }
+
+  // A ride lies in its cabin where the level has it that the robot came from, if another ride has shown how that level
+  // and the cabin lie. Elsewhere the survey has seen the door from both sides.
+  void PutRidesBegun() {
+    constexpr double kApart = 0.02;    // m
+    constexpr double kTurned = 0.005;  // rad
+    for (const RideBegun& ride : survey_.rides_begun) {
+      const auto T_level_cabin = survey_.cabin_places.find(ride.cabin);
+      if (T_level_cabin == survey_.cabin_places.end()) continue;
+      const Pose2 T_to_from = Between(T_level_cabin->second, ride.T_level_robot) * Inverse(ride.T_cabin_robot);
+      const double apart = (T_to_from * ride.T_cabin_robot.translation() - ride.T_cabin_robot.translation()).norm();
+      if (apart <= kApart && std::abs(T_to_from.yaw) <= kTurned) continue;
+      result_.moves.push_back({ride.session, ride.cabin, T_to_from});
+      if (ride.way_out) plan_.moved_ways_out[*ride.way_out] = {ride.cabin, T_to_from};
     }
   }
 

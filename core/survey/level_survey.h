@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -32,6 +33,15 @@ struct CabinEntry {
   MapId cabin = {};
   LinkPointId door = {};
   std::vector<Visit> visits = {};  // behind the door; without T_level_robot
+};
+
+// A ride that began on this level: its session goes on in a cabin where one of this level ended.
+struct RideBegun {
+  SessionId session = {};
+  MapId cabin = {};
+  Pose2 T_level_robot = {};                 // where the robot was when it began, by this level
+  Pose2 T_cabin_robot = {};                 // and by the ride
+  std::optional<LinkPointId> way_out = {};  // that was made where the robot came out
 };
 
 struct SurveyedSession {
@@ -85,6 +95,9 @@ struct LevelSurvey {
   // Of link_points: doors that robots saw through from both sides (core/closure/plans/match_door.h).
   std::set<LinkPointId> seen_through = {};
   std::set<MapId> cabins = {};  // of lifts: maps of other levels in which robots came to another one
+  // T_level_cabin: by the level's first robot, if it came in the cabin. When it came out, it was in both maps.
+  std::map<MapId, Pose2> cabin_places = {};
+  std::vector<RideBegun> rides_begun = {};
 
   const SurveyedMap* FindMap(const MapId& id) const;
 };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "core/base/ids.h"
 #include "core/geometry/pose2.h"
@@ -20,6 +21,8 @@ struct MapPlan {
   std::map<int, MapId> map_of_room = {};
   std::map<MapId, Pose2> T_level_map = {};  // of all maps, existing and new
   std::map<MapId, MapId> successors = {};   // of the maps that disappear
+  // Rides that move in their cabins, by the doors that were made where they ended: T_to_from.
+  std::map<LinkPointId, std::pair<MapId, Pose2>> moved_ways_out = {};
   // m: how far from its middle robots were in each map, the root mean square over their visits.
   std::map<MapId, double> extents = {};
 

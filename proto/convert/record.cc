@@ -50,6 +50,7 @@ struct PayloadToProto {
     if (report.entered_level) door.set_entered_level(*report.entered_level);
     door.set_by_hand(report.by_hand);
     door.set_reason(report.reason);
+    if (report.level_time) *door.mutable_level_time() = ToTimestamp(*report.level_time);
   }
 };
 
@@ -131,6 +132,9 @@ absl::StatusOr<sensor::DoorReport> DoorReportFromProto(const v1::DoorReport& in)
   if (in.has_entered_level()) report.entered_level = in.entered_level();
   report.by_hand = in.by_hand();
   report.reason = in.reason();
+  if (in.has_level_time()) {
+    ENFILADE_ASSIGN_OR_RETURN(report.level_time, FromTimestamp(in.level_time()));
+  }
   return report;
 }
 

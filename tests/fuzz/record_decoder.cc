@@ -22,6 +22,7 @@ std::vector<sensor::RecordPayload> Payloads() {
   sensor::DoorReport door;
   door.entered_environment = Environment::kIndoor;
   door.entered_level = 1;
+  door.level_time = kTime;
   door.reason = "a door";
   return {scan,
           sensor::Odometry{kTime, {1.0, 2.0, 3.0}},

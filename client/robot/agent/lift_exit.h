@@ -21,6 +21,9 @@ class LiftExit {
   // By this passage, if it is not too far away.
   void EnteredBy(const doors::DoorEvent& passage);
 
+  // Whether the robot is still in the cabin, as far as is known.
+  bool is_awaited() const { return start_.has_value(); }
+
   // Nothing to look for any more: the detector has found the door.
   void Stop() { start_.reset(); }
 

@@ -104,7 +104,8 @@ void StateMachine::OnPassage(const doors::DoorEvent& event) {
   const bool before_ride = level_time_ && event.door_time <= *level_time_;
   if (before_ride) {
     lift_exit_.EnteredBy(event);
-  } else {
+  } else if (lift_exit_.is_awaited()) {
+    passage_level_time_ = level_time_;
     lift_exit_.Stop();
   }
   passage_level_ = before_ride ? level_before_ : level_;
@@ -301,6 +302,7 @@ void StateMachine::ReportPassage() {
   passed_ = event;
   sensor::DoorReport report = ReportOf(event, sensor::DoorReport::Kind::kPassage, now_);
   report.entered_level = passage_level_;
+  report.level_time = std::exchange(passage_level_time_, std::nullopt);
   Emit(WriteReport{event.door, std::move(report)});
   next_ = BeginSession{"", std::nullopt, true};
   Stop();

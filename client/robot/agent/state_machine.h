@@ -203,7 +203,8 @@ class StateMachine {
   std::optional<std::int32_t> level_;          // the robot's; unset: never told
   std::optional<std::int32_t> level_before_;   // that it came from,
   std::optional<TimeNs> level_time_;           // and when
-  std::optional<std::int32_t> passage_level_;  // the robot's when it went through passage_
+  std::optional<std::int32_t> passage_level_;  // the robot's when it went through passage_,
+  std::optional<TimeNs> passage_level_time_;   // and when it came there, if passage_ is the way out of a lift
   std::vector<doors::DoorEvent> deferred_;     // detected behind that door: they belong to the next session
   std::optional<BeginSession> next_;           // after kStopMapping
   State left_for_ = State::kMainMenu;          // after kStopMapping without next_

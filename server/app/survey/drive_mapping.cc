@@ -12,6 +12,7 @@
 #include "core/grid/overlay.h"
 #include "core/grid/wall_agreement.h"
 #include "fmt/format.h"
+#include "server/app/survey/cabin_reader.h"
 #include "server/app/survey/chained_sessions.h"
 #include "server/app/survey/drive_location.h"
 #include "server/app/survey/drive_trajectory.h"
@@ -100,7 +101,7 @@ class LevelMapper {
     const survey::Drive& sessions;  // the same ones, with all their visits
     Environment environment;
     std::string records;               // KeyOf
-    std::optional<TimeNs> until = {};  // what is later was recorded beyond a door to another level
+    std::optional<TimeNs> until = {};  // what is later was recorded on another level, or beyond a door to it
     bool by_scans = false;             // nothing but its scans may say where it is
     std::optional<slam::ExistingMapEntry> start = {};
   };
@@ -120,10 +121,15 @@ class LevelMapper {
                               reader_.FindVerdict(stored.back()->id));
     DriveToMap to_map{
         .stored = stored, .sessions = drive, .environment = environment, .records = KeyOf(stored, environment)};
-    if (verdict && LeadsToAnotherLevel(*verdict, maps)) to_map.until = drive.back().left;
+    if (verdict && LeadsToAnotherLevel(*verdict, maps)) {
+      ENFILADE_ASSIGN_OR_RETURN(to_map.until, reader_.FindEndOnLevel(drive.back()));
+    }
     if (to_map.until) {
       to_map.records += fmt::format(" until {}", *to_map.until);
-      drive.back().cabin = EntryOf(*verdict, drive.back(), *to_map.until);
+      // Once it is cut at the cabin's door, nothing shows where the ride began.
+      if (!site_.rides.going_on.contains(drive.back().id)) {
+        drive.back().cabin = EntryOf(*verdict, drive.back(), *to_map.until);
+      }
     }
     if (!begins_level) to_map.start = StartByGraph(*first);
     to_map.by_scans = !begins_level && !to_map.start;
@@ -142,10 +148,17 @@ class LevelMapper {
     for (const slam::StampedPose& pose : mapped.trajectory) {
       level_.trajectory.push_back(pose.T_map_robot.translation());
     }
-    for (const ReportedDoor& door : read.doors) level_.passages.push_back(PassageAt(mapped.trajectory, door));
+    for (const ReportedDoor& door : read.doors) {
+      if (const auto passage = PassageAt(mapped.trajectory, door)) level_.passages.push_back(*passage);
+    }
     PlaceVisits(mapped.trajectory, drive);
     double& factor = level_.survey.variance_factor;
     factor = level_.survey.drives.empty() ? mapped.variance_factor : std::max(factor, mapped.variance_factor);
+    const CabinReader cabins(reader_, site_.rides);
+    if (begins_level) {
+      ENFILADE_RETURN_IF_ERROR(cabins.PlaceCabin(*stored.front(), drive.front(), level_.survey));
+    }
+    ENFILADE_RETURN_IF_ERROR(cabins.AddRideBegun(drive.back(), level_.survey));
     if (verdict) {
       ENFILADE_RETURN_IF_ERROR(AddAwaited(stored.back()->id, *verdict, maps, mapped.trajectory));
     }

@@ -55,6 +55,32 @@ absl::StatusOr<survey::Ride> DriveReader::ReadRide(const SessionId& session) con
   return ride;
 }
 
+absl::StatusOr<std::optional<TimeNs>> DriveReader::FindEndOnLevel(const survey::SurveyedSession& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const std::optional<sensor::DoorReport> passage, FindPassage(session.id));
+  return passage && passage->level_time ? passage->level_time : session.left;
+}
+
+absl::StatusOr<std::optional<MapId>> DriveReader::FindMap(const SessionId& session) const {
+  const absl::StatusOr<storage::Session> found = stores_.sessions.Get(SurveyContext(), site_, session);
+  if (absl::IsNotFound(found.status())) return std::nullopt;
+  ENFILADE_RETURN_IF_ERROR(found.status());
+  return found->map;
+}
+
+absl::StatusOr<std::optional<Pose2>> DriveReader::FindPose(const SessionId& session, TimeNs time) const {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Trajectory trajectory,
+                            stores_.mappings.ReadTrajectory(SurveyContext(), site_, session));
+  const auto last = std::find_if(trajectory.poses.rbegin(), trajectory.poses.rend(),
+                                 [time](const slam::StampedPose& pose) { return pose.time <= time; });
+  return last == trajectory.poses.rend() ? std::nullopt : std::optional(last->T_map_robot);
+}
+
+absl::StatusOr<std::optional<Pose2>> DriveReader::FindFirstPose(const SessionId& session) const {
+  ENFILADE_ASSIGN_OR_RETURN(const storage::Trajectory trajectory,
+                            stores_.mappings.ReadTrajectory(SurveyContext(), site_, session));
+  return trajectory.poses.empty() ? std::nullopt : std::optional(trajectory.poses.front().T_map_robot);
+}
+
 absl::StatusOr<std::optional<sensor::DoorReport>> DriveReader::FindPassage(const SessionId& session) const {
   ENFILADE_ASSIGN_OR_RETURN(const std::vector<storage::StoredDoorReport> reports, ReadReports(session));
   const storage::StoredDoorReport* passage = LastPassage(reports);

@@ -53,6 +53,19 @@ class DriveReader {
 
   absl::StatusOr<survey::Ride> ReadRide(const SessionId& session) const;
 
+  // Unset: the session has been deleted, or has no map.
+  absl::StatusOr<std::optional<MapId>> FindMap(const SessionId& session) const;
+
+  // When the robot was no longer on the level of a session whose door leads to another one: when it came to that one in
+  // the cabin of a lift, if it said so, or at the door.
+  absl::StatusOr<std::optional<TimeNs>> FindEndOnLevel(const survey::SurveyedSession& session) const;
+
+  // Where the robot was in the session's map when it left it: at the last scan up to `time`. Unset without any.
+  absl::StatusOr<std::optional<Pose2>> FindPose(const SessionId& session, TimeNs time) const;
+
+  // Where the robot was in the session's map at its first scan. Unset without any.
+  absl::StatusOr<std::optional<Pose2>> FindFirstPose(const SessionId& session) const;
+
   // The door at the session's end, as the robot reported it. Unset if there is none.
   absl::StatusOr<std::optional<sensor::DoorReport>> FindPassage(const SessionId& session) const;
 

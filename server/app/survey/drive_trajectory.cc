@@ -26,8 +26,9 @@ Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time) {
                      ToSeconds(time - before->time) / ToSeconds(after->time - before->time));
 }
 
-rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door) {
+std::optional<rooms::PassageHint> PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door) {
   constexpr TimeNs kScans = 500'000'000;  // the report may be later than the last scan
+  if (door.passed > trajectory.back().time + kScans) return std::nullopt;
   const bool seen = door.T_robot_door && door.reported <= trajectory.back().time + kScans;
   const Pose2 T_level_door =
       seen ? PoseAt(trajectory, door.reported) * *door.T_robot_door : PoseAt(trajectory, door.passed);

@@ -31,8 +31,9 @@ ReportedDoor ToReportedDoor(const sensor::DoorReport& report, const std::optiona
 Pose2 PoseAt(const DriveTrajectory& trajectory, TimeNs time);
 
 // The line across the door, on the level; `trajectory` must not be empty. Where nothing else is known, or it ends
-// long before the door was reported, it is where the robot went through.
-rooms::PassageHint PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door);
+// long before the door was reported, it is where the robot went through. Unset if it ends before that: on the way from
+// another level.
+std::optional<rooms::PassageHint> PassageAt(const DriveTrajectory& trajectory, const ReportedDoor& door);
 
 // Gives each visit its pose on the level; those whose scan the survey could not use are dropped. A session without any
 // is where the one before it ended.

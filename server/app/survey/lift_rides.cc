@@ -46,9 +46,13 @@ absl::StatusOr<LiftRides> FindLiftRides(const DriveReader& reader, const std::ve
                                         const std::map<MapId, storage::Map>& maps) {
   const std::vector<Succession> successions = SuccessionsOf(sessions, maps);
   LiftRides rides;
+  for (const storage::Session& session : sessions) {
+    if (session.entry.previous && !IsSettled(session)) rides.going_on.insert(*session.entry.previous);
+  }
   std::set<SessionId> cut_off;  // no passage leads to them: they and the sessions before them were one
   for (const Succession& one : successions) {
     if (!one.changes_level()) continue;
+    rides.next[one.previous->id] = {one.session->id, one.to->id};
     ENFILADE_ASSIGN_OR_RETURN(const std::optional<sensor::DoorReport> passage, reader.FindPassage(one.previous->id));
     if (!passage) {
       cut_off.insert(one.session->id);

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -19,6 +20,9 @@ struct LiftRides {
   // In a cabin, entered from a level that its map is not of: what such a session sees through the door is of that
   // level. Also those that follow it in the cabin.
   std::set<SessionId> from_elsewhere;
+  // The session on another level that follows each, and the map that it is in by now.
+  std::map<SessionId, std::pair<SessionId, MapId>> next;
+  std::set<SessionId> going_on;  // those that one follows which is not mapped yet
 };
 
 // By the sessions that are mapped and follow one on another level, and by the passages between them. Those that people

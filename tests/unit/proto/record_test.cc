@@ -41,7 +41,8 @@ TEST(ConvertRecord, RoundTripsEveryKindExactly) {
                                              Environment::kOutdoor,
                                              -1,
                                              true,
-                                             "by hand"}},
+                                             "by hand",
+                                             3}},
         sensor::Record{7, sensor::DoorReport()}}) {
     v1::Record received;
     ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));
@@ -82,6 +83,7 @@ TEST(ConvertRecord, RefusesBadDoorReportsNamingTheField) {
   expect_refused([](v1::DoorReport& r) { r.clear_pose_odom_door(); }, "pose_odom_door is not set");
   expect_refused([](v1::DoorReport& r) { r.mutable_pose_odom_door()->set_yaw(NAN); }, "pose_odom_door is not finite");
   expect_refused([](v1::DoorReport& r) { r.mutable_door_time()->set_nanos(10); }, "door_time");
+  expect_refused([](v1::DoorReport& r) { r.mutable_level_time()->set_nanos(10); }, "level_time");
   expect_refused([](v1::DoorReport& r) { r.set_width_m(-1.0); }, "width_m");
   expect_refused([](v1::DoorReport& r) { r.set_reason(std::string(5000, 'x')); }, "reason");
 }

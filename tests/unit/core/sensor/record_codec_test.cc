@@ -22,6 +22,8 @@ std::vector<Record> OneOfEachKind() {
   scan.range_max = 81.83F;
   scan.T_robot_laser = {0.1, -0.2, 0.3};
   scan.ranges = {1.07F, -1.0F, std::numeric_limits<float>::infinity(), 81.83F};
+  DoorReport out_of_lift;
+  out_of_lift.level_time = 3;
   return {{1, scan},
           {2, Odometry{5, {1.0 / 3.0, -0.0, M_PI}}},
           {3, Image{7, Camera::kRear, ImageEncoding::kJpeg, {std::string(32, '\xff'), 12}}},
@@ -37,7 +39,8 @@ std::vector<Record> OneOfEachKind() {
                          -1,
                          true,
                          "by hand"}},
-          {7, DoorReport()}};
+          {7, DoorReport()},
+          {8, out_of_lift}};
 }
 
 TEST(RecordCodec, RoundTripsEveryKindExactly) {

@@ -97,6 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadRecord{{1, Withheld{std::string(4097, 'r')}}, "withheld.reason has 4097 bytes"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.door_time = kNow + 2 * kNsPerSecond; })}, "2 s after its time"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.door_time = -1; })}, "between 1970 and 2200"},
+        BadRecord{{1, ReportWith([](DoorReport& r) { r.level_time = kNow + 3 * kNsPerSecond; })}, "3 s after its time"},
+        BadRecord{{1, ReportWith([](DoorReport& r) { r.level_time = -1; })}, "between 1970 and 2200"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.T_odom_door.yaw = NAN; })}, "pose_odom_door"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.width = -0.1; })}, "width_m is -0.1"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.width = 1000.0; })}, "width_m is 1000"},

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cabins of lifts, which are maps of one level and entered from others, too.
+#include <algorithm>
+
 #include "core/survey/arrange_maps.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -47,6 +49,72 @@ TEST(ArrangeCabins, ACabinOfALiftIsOneMapOnAllLevels) {
   EXPECT_EQ(JoinedMaps(After(survey, change)),
             (std::multiset<std::set<std::string>>{{"a", "cabin"}, {"cabin", "lobby"}}))
       << "the cabin's door of the other level stays";
+}
+
+// The door's anchors were made when the robot came out of the cabin. The survey has seen since how the hall lies.
+TEST(ArrangeCabins, TheHallsAnchorIsWhereRobotsBroughtTheCabin) {
+  const Pose2 T_level_cabin{3.0, -2.0, 0.7};
+  const Pose2 door{1.5, 2.75, M_PI / 2};  // looks out of the cabin
+  LevelSurvey survey;
+  survey.drives = {MakeDrive({{"s1", "a", {}, {{1.5, 4.0}, {9.0, 4.0}}}})};
+  survey.maps = {{.id = MapId("a"), .root = true}};
+  survey.link_points = {Join("d1", AnchorAt("cabin", T_level_cabin, door), AnchorAt("a", {}, door))};
+  survey.link_points[0].direction = MapId("a");
+  survey.cabins = {MapId("cabin")};
+  survey.cabin_places[MapId("cabin")] = T_level_cabin * Pose2{0.05, 0.0, 0.02};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  const LevelSurvey after = After(survey, change);
+  const auto found = std::find_if(after.link_points.begin(), after.link_points.end(),
+                                  [](const graph::LinkPoint& one) { return one.id == LinkPointId("d1"); });
+  ASSERT_NE(found, after.link_points.end());
+  const Pose2 T_a_cabin =
+      found->FindAnchor(MapId("a"))->T_map_place * Inverse(found->FindAnchor(MapId("cabin"))->T_map_place);
+  const Pose2 expected = T_level_cabin * Pose2{0.05, 0.0, 0.02};  // a lies where the level does
+  EXPECT_NEAR(T_a_cabin.x, expected.x, 1e-6);
+  EXPECT_NEAR(T_a_cabin.y, expected.y, 1e-6);
+  EXPECT_NEAR(T_a_cabin.yaw, expected.yaw, 1e-6);
+  EXPECT_EQ(found->FindAnchor(MapId("cabin"))->T_map_place,
+            survey.link_points[0].FindAnchor(MapId("cabin"))->T_map_place);
+  EXPECT_TRUE(Arrange(after).empty());
+}
+
+// The robot's next ride began where the level's map shows it, and found a door on another level.
+TEST(ArrangeCabins, ARideLiesInItsCabinWhereItsLevelHasIt) {
+  LevelSurvey survey = CorridorWithLift();
+  const Pose2 T_level_cabin{3.0, -2.0, 0.7};
+  survey.cabin_places[MapId("cabin")] = T_level_cabin;
+  survey.link_points.push_back(
+      Join("d4", AnchorAt("cabin", T_level_cabin, {1.5, 2.75, M_PI / 2}), AnchorAt("attic", {}, {})));
+  const Pose2 T_cabin_robot{0.5, 0.3, 1.0};
+  const Pose2 T_to_from{0.1, -0.05, 0.03};
+  RideBegun ride{.session = SessionId("s9"),
+                 .cabin = MapId("cabin"),
+                 .T_level_robot = T_level_cabin * T_to_from * T_cabin_robot,
+                 .T_cabin_robot = T_cabin_robot,
+                 .way_out = LinkPointId("d4")};
+  survey.rides_begun = {ride};
+  const rearrange::Rearrangement change = Arrange(survey);
+  EXPECT_TRUE(rearrange::Validate(change).ok());
+  const auto move = std::find_if(change.moves.begin(), change.moves.end(),
+                                 [](const rearrange::SessionMove& one) { return one.session == SessionId("s9"); });
+  ASSERT_NE(move, change.moves.end());
+  EXPECT_EQ(move->to, MapId("cabin"));
+  EXPECT_NEAR(move->T_to_from.x, T_to_from.x, 1e-6);
+  EXPECT_NEAR(move->T_to_from.y, T_to_from.y, 1e-6);
+  EXPECT_NEAR(move->T_to_from.yaw, T_to_from.yaw, 1e-6);
+  const auto door = std::find_if(change.link_points.begin(), change.link_points.end(),
+                                 [](const graph::LinkPoint& one) { return one.id == LinkPointId("d4"); });
+  ASSERT_NE(door, change.link_points.end()) << "what the ride has found moves with it";
+  const Pose2 expected = T_to_from * AnchorAt("cabin", T_level_cabin, {1.5, 2.75, M_PI / 2}).T_map_place;
+  EXPECT_NEAR(door->FindAnchor(MapId("cabin"))->T_map_place.x, expected.x, 1e-6);
+  EXPECT_NEAR(door->FindAnchor(MapId("cabin"))->T_map_place.y, expected.y, 1e-6);
+
+  ride.T_cabin_robot = T_to_from * T_cabin_robot;
+  survey.rides_begun = {ride};
+  const rearrange::Rearrangement next = Arrange(survey);
+  EXPECT_TRUE(std::none_of(next.moves.begin(), next.moves.end(),
+                           [](const rearrange::SessionMove& one) { return one.session == SessionId("s9"); }));
 }
 
 // The cabin was left for the lobby's level in both of its maps. The lobby is not of this level.

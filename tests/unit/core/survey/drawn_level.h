@@ -175,7 +175,7 @@ inline graph::LinkPoint Join(const std::string& id, const graph::Anchor& a, cons
 }
 
 inline graph::Anchor AnchorAt(const std::string& map, const Pose2& T_level_map, const Pose2& T_level_place) {
-  const Eigen::Vector3d sigmas(0.026, 0.026, 0.0105);  // about those of a survey
+  const Eigen::Vector3d sigmas(0.022, 0.022, 0.0072);  // about those of a survey
   return {MapId(map), Between(T_level_map, T_level_place), sigmas.cwiseAbs2().asDiagonal()};
 }
 

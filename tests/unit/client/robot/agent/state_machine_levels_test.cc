@@ -73,6 +73,9 @@ TEST_F(StateMachineLevels, APassageLeadsToTheLevelThatTheRobotWasOnThen) {
   EXPECT_EQ(reports_[0].entered_level, std::nullopt);
   EXPECT_EQ(reports_[1].entered_level, 1);
   EXPECT_EQ(reports_[2].entered_level, 1);
+  EXPECT_EQ(reports_[0].level_time, std::nullopt);
+  EXPECT_EQ(reports_[1].level_time, AfterStart(1.0)) << "the way out of the lift";
+  EXPECT_EQ(reports_[2].level_time, std::nullopt);
 }
 
 // The detector may be sure of the lift's door only once the robot has left the lift.
@@ -96,6 +99,8 @@ TEST_F(StateMachineLevels, AWayOutOfALiftThatTheDetectorMissesIsReported) {
   EXPECT_EQ(reports_[1].kind, sensor::DoorReport::Kind::kPassage);
   EXPECT_EQ(reports_[1].entered_level, 1);
   EXPECT_EQ(reports_[1].door_time, AfterStart(22.0)) << "at x -0.5";
+  EXPECT_EQ(reports_[0].level_time, std::nullopt);
+  EXPECT_EQ(reports_[1].level_time, AfterStart(3.0));
   EXPECT_NEAR(reports_[1].T_odom_door.x, 0.0, 1e-9);
   EXPECT_NEAR(std::abs(reports_[1].T_odom_door.yaw), M_PI, 1e-9) << "it looks out of the cabin";
   EXPECT_FALSE(reports_[1].by_hand);
@@ -126,7 +131,8 @@ TEST_F(StateMachineLevels, AWayOutOfALiftThatTheDetectorFindsIsReportedOnce) {
   DriveBack(seconds, -2.0, -2.0);
   Begin();
   DriveBack(seconds, -2.5, -9.0);
-  EXPECT_EQ(reports_.size(), 2U);
+  ASSERT_EQ(reports_.size(), 2U);
+  EXPECT_EQ(reports_[1].level_time, AfterStart(3.0));
 }
 
 TEST_F(StateMachineLevels, ARobotThatDrivesFarOnAnotherLevelHasLeftTheLift) {

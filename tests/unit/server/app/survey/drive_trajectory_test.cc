@@ -41,7 +41,7 @@ TEST(PoseAt, LiesBetweenTheScansBeforeAndAfter) {
 TEST(PassageAt, ADoorIsWhereTheDetectorMeasuredIt) {
   // When it made the report the robot was at (12, 7) of its odometry frame, heading along y.
   const ReportedDoor door = ToReportedDoor(Report(), Pose2{12.0, 7.0, M_PI / 2.0});
-  const rooms::PassageHint passage = PassageAt(Straight(), door);
+  const rooms::PassageHint passage = PassageAt(Straight(), door).value();
   const Eigen::Vector2d middle = (passage.a + passage.b) / 2.0;
   EXPECT_NEAR(middle.x(), 4.0 - 1.8, 1e-9);
   EXPECT_NEAR(middle.y(), 0.0, 1e-9);
@@ -53,7 +53,7 @@ TEST(PassageAt, ADoorIsWhereTheDetectorMeasuredIt) {
 TEST(PassageAt, WithoutOdometryADoorIsWhereTheRobotWas) {
   sensor::DoorReport report = Report();
   report.width = 0.0;
-  const rooms::PassageHint passage = PassageAt(Straight(), ToReportedDoor(report, std::nullopt));
+  const rooms::PassageHint passage = PassageAt(Straight(), ToReportedDoor(report, std::nullopt)).value();
   EXPECT_NEAR(((passage.a + passage.b) / 2.0 - Eigen::Vector2d(2.0, 0.0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((passage.b - passage.a).norm(), 1.0, 1e-9) << "a usual width";
 }
@@ -62,8 +62,14 @@ TEST(PassageAt, ADoorToAnotherLevelIsWhereTheRobotWas) {
   DriveTrajectory until_door = Straight();
   until_door.resize(3);  // what is beyond is not of this level
   const ReportedDoor door = ToReportedDoor(Report(), Pose2{12.0, 7.0, M_PI / 2.0});
-  const rooms::PassageHint passage = PassageAt(until_door, door);
+  const rooms::PassageHint passage = PassageAt(until_door, door).value();
   EXPECT_NEAR(((passage.a + passage.b) / 2.0 - Eigen::Vector2d(2.0, 0.0)).norm(), 0.0, 1e-9);
+}
+
+TEST(PassageAt, ADoorThatTheRobotReachedOnAnotherLevelIsNotOnThisOne) {
+  DriveTrajectory until_ride = Straight();
+  until_ride.resize(2);
+  EXPECT_EQ(PassageAt(until_ride, ToReportedDoor(Report(), Pose2{12.0, 7.0, M_PI / 2.0})), std::nullopt);
 }
 
 TEST(PlaceVisits, ThoseWithoutAScanAreDropped) {
