@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/grid/tile_codec.h"
 
-#include <zstd.h>
-
 #include <new>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/compression/zstd_context.h"
 
 namespace enfilade::grid {
 namespace {
@@ -15,16 +14,11 @@ constexpr char kTileVersion = 1;
 // Higher levels compress rasters little better; this one compresses several hundred MB/s.
 constexpr int kTileCompressionLevel = 1;
 
-struct FreeContext {
-  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
-};
-
 }  // namespace
 
 struct TilePacking::Contexts {
-  std::unique_ptr<ZSTD_CCtx, FreeContext> compression{ZSTD_createCCtx()};
-  std::unique_ptr<ZSTD_DCtx, FreeContext> decompression{ZSTD_createDCtx()};
+  ZstdCompressor compression{ZSTD_createCCtx()};
+  ZstdDecompressor decompression{ZSTD_createDCtx()};
   std::vector<char> packed;
 };
 

@@ -41,7 +41,7 @@ struct RideBegun {
   MapId cabin = {};
   Pose2 T_level_robot = {};                 // where the robot was when it began, by this level
   Pose2 T_cabin_robot = {};                 // and by the ride
-  std::optional<LinkPointId> way_out = {};  // that was made where the robot came out
+  std::optional<LinkPointId> way_out = {};  // made for the door by which the robot came out, if it was new
 };
 
 struct SurveyedSession {

@@ -21,7 +21,7 @@ struct SurveyOptions {
   double bend = 0.0068;            // m/m
   double door_yaw_sigma = 0.0068;  // rad
   double yaw_bend = 0.00137;       // rad/m
-  double ride_yaw_sigma = 0.012;   // rad: and of how a cabin turns between two levels, as a ride in it shows
+  double ride_yaw_sigma = 0.012;   // rad: of how a ride shows one level's heading relative to another's
   double candidate_ahead = 3.5;    // m: a candidate was seen from up to this far before its door
   double candidate_across = 1.0;   // m
   std::string map_name = "Map";    // a new map's name is this and the least free number

@@ -9,8 +9,8 @@
 
 namespace enfilade::slam {
 
-// Where a grid's cells are known, by blocks of cells: who draws it skips the blocks that are not near any. A submap's
-// window is mostly unknown.
+// Where a grid's cells are known, by blocks of cells, so that drawing can skip what is far from any: most of a submap's
+// window is unknown.
 class KnownBlocks {
  public:
   static constexpr int kSide = 16;  // cells

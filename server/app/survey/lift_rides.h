@@ -22,7 +22,7 @@ struct LiftRides {
   std::set<SessionId> from_elsewhere;
   // The session on another level that follows each, and the map that it is in by now.
   std::map<SessionId, std::pair<SessionId, MapId>> next;
-  std::set<SessionId> going_on;  // those that one follows which is not mapped yet
+  std::set<SessionId> going_on;  // sessions whose next one is not mapped yet
 };
 
 // By the sessions that are mapped and follow one on another level, and by the passages between them. Those that people
