@@ -167,7 +167,7 @@ class DoorArranger {
     const graph::Anchor* a = link_point.FindAnchor(from);
     const graph::Anchor* b = link_point.FindAnchor(to);
     if (a == nullptr || b == nullptr) return false;
-    if (!IsAsSure(*a, VariancesOf(from)) || !IsAsSure(*b, VariancesOf(to))) return false;
+    if (!IsAsSure(*a, VariancesAt(from, to)) || !IsAsSure(*b, VariancesAt(to, from))) return false;
     return AreSamePlace(*PlaceOfAnchor(*a), *PlaceOfAnchor(*b), VariancesOf(from) + VariancesOf(to));
   }
 
@@ -188,6 +188,14 @@ class DoorArranger {
     return survey_.variance_factor * Eigen::Vector3d(position, position, yaw).cwiseAbs2();
   }
 
+  // Those of the anchor in `map` of a door that leads to `other`. A cabin that robots came to the level in lies there
+  // as the ride shows it.
+  Eigen::Vector3d VariancesAt(const MapId& map, const MapId& other) const {
+    Eigen::Vector3d variances = VariancesOf(map);
+    if (survey_.cabin_places.contains(other)) variances.z() += options_.ride_yaw_sigma * options_.ride_yaw_sigma;
+    return variances;
+  }
+
   // About as sure as the survey. Of what was surer the survey has seen since that its map is larger, or bends.
   bool IsAsSure(const graph::Anchor& anchor, const Eigen::Vector3d& variances) const {
     const Eigen::Array3d ratios = anchor.covariance.diagonal().array() / variances.array();
@@ -195,12 +203,12 @@ class DoorArranger {
     return (ratios <= limit).all() && (ratios >= 1.0 / limit).all();
   }
 
-  graph::Anchor AnchorIn(const MapId& map, const PassedDoor& door) const {
-    return {map, Between(plan_.T_level_map.at(map), door.T_level_door), VariancesOf(map).asDiagonal()};
+  graph::Anchor AnchorIn(const MapId& map, const MapId& other, const Pose2& T_level_door) const {
+    return {map, Between(plan_.T_level_map.at(map), T_level_door), VariancesAt(map, other).asDiagonal()};
   }
 
   std::vector<graph::Anchor> AnchorsOf(const PassedDoor& door, const MapId& from, const MapId& to) const {
-    return {AnchorIn(from, door), AnchorIn(to, door)};
+    return {AnchorIn(from, to, door.T_level_door), AnchorIn(to, from, door.T_level_door)};
   }
 
   // Would the store refuse it beside one of the link points arranged so far? What is stored already may stand beside
@@ -357,12 +365,10 @@ class DoorArranger {
       if (T_level_hall == plan_.T_level_map.end() || survey_.cabins.contains(hall.map)) continue;
       const auto T_level_cabin = plan_.T_level_map.find(cabin.map);
       if (T_level_cabin == plan_.T_level_map.end() || !survey_.cabin_places.contains(cabin.map)) continue;
-      const Pose2 T_hall_door = Between(T_level_hall->second, T_level_cabin->second * cabin.T_map_place);
-      Eigen::Vector3d variances = VariancesOf(hall.map);
-      const bool is_same = AreSamePlace(hall.T_map_place, T_hall_door, variances);
-      variances.z() += options_.ride_yaw_sigma * options_.ride_yaw_sigma;
-      if (is_same && IsAsSure(hall, variances)) continue;
-      hall = {hall.map, T_hall_door, variances.asDiagonal()};
+      const graph::Anchor now = AnchorIn(hall.map, cabin.map, T_level_cabin->second * cabin.T_map_place);
+      const bool is_same = AreSamePlace(hall.T_map_place, now.T_map_place, VariancesOf(hall.map));
+      if (is_same && IsAsSure(hall, now.covariance.diagonal())) continue;
+      hall = now;
     }
   }
 

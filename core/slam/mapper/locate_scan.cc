@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/slam/mapper/locate_scan.h"
 
+#include <Eigen/Dense>
+
 #include "core/slam/mapper/policies.h"
 #include "core/slam/matching/motion_model.h"
 
@@ -55,6 +57,23 @@ LocatedScan LocateScan(const Track& last, const sensor::PairedScan& scan, const 
   track.T_odom_robot = scan.T_odom_robot;
   track.time = scan.scan.time;
   return located;
+}
+
+PoseWithCovariance LocateAtEntry(const ExistingMapEntry& entry, const sensor::PairedScan& scan,
+                                 const grid::ScanRays& rays, const SlamOptions& options) {
+  const PoseWithCovariance by_odometry = PoseAtScan(entry, scan.T_odom_robot, options);
+  if (!entry.seen || !entry.T_odom_robot || !options.match_scans) return by_odometry;
+  SubmapGrid grid(options.resolution, options.occupancy);
+  if (!grid.Insert(Pose2{}, *entry.seen).ok()) return by_odometry;
+  LocalFields fields(options.resolution, options.local);
+  fields.Rebuild(grid);
+  Track at_entry;
+  at_entry.T_odom_robot = entry.T_odom_robot;
+  at_entry.time = scan.scan.time;
+  const LocatedScan located = LocateScan(at_entry, scan, rays, {grid, fields}, options);
+  if (!located.residual) return by_odometry;
+  return Compose(PoseAtScan(entry, entry.T_odom_robot, options),
+                 {located.track.T_submap_robot, located.information.inverse()});
 }
 
 }  // namespace enfilade::slam

@@ -8,6 +8,7 @@
 #include "core/sensor/scan_pairing.h"
 #include "core/slam/matching/local_matching.h"
 #include "core/slam/slam_options.h"
+#include "core/slam/state/existing_map.h"
 #include "core/slam/state/mapper_state.h"
 
 namespace enfilade::slam {
@@ -29,5 +30,10 @@ LocatedScan LocateFirstScan(const sensor::PairedScan& scan);
 // robot's frame.
 LocatedScan LocateScan(const Track& last, const sensor::PairedScan& scan, const grid::ScanRays& rays,
                        const LocalMap& map, const SlamOptions& options);
+
+// The pose of the first scan in an existing map: by matching it to what was seen at the entry, or by the odometry since
+// (PoseAtScan).
+PoseWithCovariance LocateAtEntry(const ExistingMapEntry& entry, const sensor::PairedScan& scan,
+                                 const grid::ScanRays& rays, const SlamOptions& options);
 
 }  // namespace enfilade::slam

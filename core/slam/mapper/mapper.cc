@@ -57,7 +57,7 @@ class Mapper::Impl {
     }
     const LocatedScan located =
         state_.track ? LocateScan(*state_.track, scan, rays, {state_.active->content.grid, *fields_}, options_)
-                     : Begin(scan);
+                     : Begin(scan, rays);
     state_.track = located.track;
     const bool is_elsewhere = IsElsewhere(located.track.quality, options_.quality);
     const bool is_keyframe =
@@ -134,10 +134,11 @@ class Mapper::Impl {
 
   const SubmapNode& LastNode() const { return state_.active->content.nodes.back(); }
 
-  LocatedScan Begin(const sensor::PairedScan& scan) {
+  LocatedScan Begin(const sensor::PairedScan& scan, const grid::ScanRays& rays) {
     Submap first{0, 0, Pose2{}, EmptyContent()};
     if (state_.entry) {
-      const PoseWithCovariance T_map_first = PoseAtScan(*state_.entry, scan.T_odom_robot, options_);
+      const PoseWithCovariance T_map_first = LocateAtEntry(*state_.entry, scan, rays, options_);
+      state_.entry->seen.reset();
       first.id = 1;
       first.T_map_submap = T_map_first.pose;
       state_.finished[0] = TiedToFirst(state_.finished.at(0), T_map_first, options_);

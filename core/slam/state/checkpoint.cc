@@ -8,10 +8,12 @@
 #include "core/base/status_macros.h"
 #include "core/compression/compression.h"
 #include "core/geometry/pose_codec.h"
+#include "core/slam/submaps/robot_rays.h"
 
 namespace enfilade::slam {
 namespace {
 
+constexpr std::uint8_t kVersionWithSeen = 6;  // only before the first scan: programs before it can read all others
 constexpr std::uint8_t kCheckpointVersion = 5;
 constexpr std::uint8_t kVersionWithoutErrors = 4;
 constexpr std::uint8_t kVersionWithoutEntry = 3;
@@ -122,7 +124,7 @@ struct Beginning {
 absl::StatusOr<Beginning> GetBeginning(BinaryReader& reader) {
   Beginning beginning;
   beginning.version = reader.Get<std::uint8_t>();
-  if (beginning.version < kVersionWithoutEntry || beginning.version > kCheckpointVersion) {
+  if (beginning.version < kVersionWithoutEntry || beginning.version > kVersionWithSeen) {
     return DataLoss("the checkpoint has version {}, which this program does not know", beginning.version);
   }
   beginning.nodes = reader.Get<std::uint64_t>();
@@ -143,7 +145,8 @@ absl::StatusOr<Beginning> GetBeginning(BinaryReader& reader) {
 std::string EncodeCheckpoint(const MapperState& state) {
   std::string bytes;
   BinaryWriter writer(bytes);
-  writer.Put(kCheckpointVersion);
+  const bool has_seen = state.entry && state.entry->seen;
+  writer.Put(has_seen ? kVersionWithSeen : kCheckpointVersion);
   writer.Put<std::uint64_t>(state.nodes.size());
   writer.Put<std::uint64_t>(state.finished.size());
   writer.Put<std::uint64_t>(state.loop_closures.size());
@@ -154,6 +157,7 @@ std::string EncodeCheckpoint(const MapperState& state) {
   writer.Put<std::int64_t>(state.adrift_since.value_or(-1));
   PutErrors(writer, state.errors);
   PutEntry(writer, state.entry);
+  if (has_seen) PutRays(writer, *state.entry->seen);
   PutTrack(writer, state.track);
   PutActive(writer, state.active);
   return Compress(bytes);
@@ -166,6 +170,7 @@ absl::StatusOr<MapperState> DecodeCheckpoint(std::string_view checkpoint, const 
   ENFILADE_ASSIGN_OR_RETURN(Beginning beginning, GetBeginning(reader));
   MapperState& state = beginning.state;
   if (beginning.version > kVersionWithoutEntry) state.entry = GetEntry(reader);
+  if (beginning.version == kVersionWithSeen && state.entry) state.entry->seen = GetRays(reader);
   state.track = GetTrack(reader);
   ENFILADE_RETURN_IF_ERROR(GetActive(reader, stored, options, state.active));
   if (!reader.at_end()) return DataLoss("the checkpoint is truncated or has trailing bytes");

@@ -6,6 +6,7 @@
 #include "core/base/binary.h"
 #include "core/geometry/pose2.h"
 #include "core/grid/occupancy_grid.h"
+#include "core/grid/scan_rays.h"
 #include "core/slam/slam_options.h"
 #include "core/slam/submaps/finished_submap.h"
 #include "core/slam/submaps/submap.h"
@@ -16,6 +17,8 @@ namespace enfilade::slam {
 struct ExistingMapEntry {
   PoseWithCovariance T_map_robot;     // m, rad
   std::optional<Pose2> T_odom_robot;  // odometry at that pose; unset: the pose is that of the first scan
+  // What a scan at that pose and odometry saw, in the robot's frame. The first scan is matched to it.
+  std::optional<grid::ScanRays> seen = {};
 };
 
 // A map that mapping continues, in its frame. Its grid becomes submap 0, which never moves.
@@ -45,7 +48,7 @@ struct EntryReach {
 };
 EntryReach ReachOf(const ExistingMapEntry& entry);
 
-// For checkpoints: exact.
+// For checkpoints: exact, but for `seen`.
 void PutEntry(BinaryWriter& writer, const std::optional<ExistingMapEntry>& entry);
 std::optional<ExistingMapEntry> GetEntry(BinaryReader& reader);
 

@@ -11,6 +11,21 @@ namespace {
 
 Eigen::Vector2d Rounded(const Eigen::Vector2d& p) { return {ToSinglePrecision(p.x()), ToSinglePrecision(p.y())}; }
 
+void PutPoints(BinaryWriter& writer, const std::vector<Eigen::Vector2d>& points) {
+  writer.Put<std::uint64_t>(points.size());
+  for (const auto& p : points) writer.Put(static_cast<float>(p.x()));
+  for (const auto& p : points) writer.Put(static_cast<float>(p.y()));
+}
+
+std::vector<Eigen::Vector2d> GetPoints(BinaryReader& reader) {
+  const auto size = reader.Get<std::uint64_t>();
+  if (size > reader.remaining() / (2 * sizeof(float))) return {};
+  std::vector<Eigen::Vector2d> points(size);
+  for (auto& p : points) p.x() = reader.Get<float>();
+  for (auto& p : points) p.y() = reader.Get<float>();
+  return points;
+}
+
 }  // namespace
 
 grid::ScanRays RobotRays(const sensor::LaserScan& scan, const grid::ScanRayOptions& options) {
@@ -33,6 +48,20 @@ grid::ScanRays Transformed(const Pose2& T_target_source, const grid::ScanRays& r
   result.free_ends.reserve(rays.free_ends.size());
   for (const Eigen::Vector2d& p : rays.free_ends) result.free_ends.emplace_back(R * p + t);
   return result;
+}
+
+void PutRays(BinaryWriter& writer, const grid::ScanRays& rays) {
+  PutPoints(writer, {rays.origin});
+  PutPoints(writer, rays.hits);
+  PutPoints(writer, rays.free_ends);
+}
+
+grid::ScanRays GetRays(BinaryReader& reader) {
+  grid::ScanRays rays;
+  if (const auto origin = GetPoints(reader); origin.size() == 1) rays.origin = origin.front();
+  rays.hits = GetPoints(reader);
+  rays.free_ends = GetPoints(reader);
+  return rays;
 }
 
 }  // namespace enfilade::slam

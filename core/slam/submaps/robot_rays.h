@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/base/binary.h"
 #include "core/geometry/pose2.h"
 #include "core/grid/scan_rays.h"
 
@@ -12,5 +13,9 @@ grid::ScanRays RobotRays(const sensor::LaserScan& scan, const grid::ScanRayOptio
 
 // The same rays in another frame.
 grid::ScanRays Transformed(const Pose2& T_target_source, const grid::ScanRays& rays);
+
+// For checkpoints and submaps: exact for rays in single precision.
+void PutRays(BinaryWriter& writer, const grid::ScanRays& rays);
+grid::ScanRays GetRays(BinaryReader& reader);
 
 }  // namespace enfilade::slam

@@ -14,36 +14,6 @@ namespace {
 constexpr std::uint8_t kSubmapVersion = 1;
 constexpr std::size_t kMaxContentBytes = std::size_t{1} << 30;
 
-void PutPoints(BinaryWriter& writer, const std::vector<Eigen::Vector2d>& points) {
-  writer.Put<std::uint64_t>(points.size());
-  for (const auto& p : points) writer.Put(static_cast<float>(p.x()));
-  for (const auto& p : points) writer.Put(static_cast<float>(p.y()));
-}
-
-std::vector<Eigen::Vector2d> GetPoints(BinaryReader& reader) {
-  const auto size = reader.Get<std::uint64_t>();
-  if (size > reader.remaining() / (2 * sizeof(float))) return {};
-  std::vector<Eigen::Vector2d> points(size);
-  for (auto& p : points) p.x() = reader.Get<float>();
-  for (auto& p : points) p.y() = reader.Get<float>();
-  return points;
-}
-
-// Exact: rays have single precision (RobotRays).
-void PutRays(BinaryWriter& writer, const grid::ScanRays& rays) {
-  PutPoints(writer, {rays.origin});
-  PutPoints(writer, rays.hits);
-  PutPoints(writer, rays.free_ends);
-}
-
-grid::ScanRays GetRays(BinaryReader& reader) {
-  grid::ScanRays rays;
-  if (const auto origin = GetPoints(reader); origin.size() == 1) rays.origin = origin.front();
-  rays.hits = GetPoints(reader);
-  rays.free_ends = GetPoints(reader);
-  return rays;
-}
-
 void PutNode(BinaryWriter& writer, const SubmapNode& node) {
   writer.Put(node.node);
   writer.Put<std::uint8_t>(node.carried);

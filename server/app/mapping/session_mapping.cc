@@ -10,6 +10,7 @@
 #include "server/app/edits/edited_revision.h"
 #include "server/app/mapping/layer_runs.h"
 #include "server/app/mapping/raster_revision.h"
+#include "server/app/mapping/session_entry.h"
 #include "spdlog/spdlog.h"
 
 namespace enfilade::server {
@@ -74,7 +75,6 @@ absl::StatusOr<std::unique_ptr<SessionMapping>> SessionMapping::Load(const Sessi
 }
 
 absl::Status SessionMapping::Begin(const storage::Session& session) {
-  const std::optional<PoseWithCovariance>& entered = session.entry.T_map_robot;
   grid::OccupancyGrid existing;
   const auto revision = stores_.revisions.Get(MappingContext(), site_, map_, 0);
   if (revision.ok()) {
@@ -85,9 +85,10 @@ absl::Status SessionMapping::Begin(const storage::Session& session) {
   } else if (!absl::IsNotFound(revision.status())) {
     return revision.status();
   }
-  if (entered) {
-    mapper_.emplace(options_.pairing, slam_,
-                    slam::ExistingMap{std::move(existing), {*entered, session.entry.T_odom_robot}});
+  if (session.entry.T_map_robot) {
+    ENFILADE_ASSIGN_OR_RETURN(slam::ExistingMapEntry entry,
+                              ReadEntry(stores_.sessions, stores_.records, options_.pairing, slam_, session));
+    mapper_.emplace(options_.pairing, slam_, slam::ExistingMap{std::move(existing), std::move(entry)});
   } else if (existing.cells.empty()) {
     mapper_.emplace(options_.pairing, slam_);
   } else {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/survey/cabin_reader.h"
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -20,6 +22,19 @@ absl::Status CabinReader::PlaceCabin(const storage::Session& stored, const surve
   ENFILADE_ASSIGN_OR_RETURN(const std::optional<Pose2> T_cabin_robot, reader_.FindPose(*ride, passage->time));
   if (T_cabin_robot) level.cabin_places.emplace(*cabin, *T_level_map * *first.T_map_entry * Inverse(*T_cabin_robot));
   return absl::OkStatus();
+}
+
+std::optional<survey::CabinEntry> CabinReader::EntryOf(const closure::DoorVerdict& verdict,
+                                                       const survey::SurveyedSession& session, TimeNs left) const {
+  if (!verdict.link_point || !verdict.entered_map) return std::nullopt;
+  // The verdict's map may have been merged since.
+  const auto next = rides_.next.find(session.id);
+  const MapId& entered = next != rides_.next.end() ? next->second.second : *verdict.entered_map;
+  if (!rides_.cabins.contains(entered)) return std::nullopt;
+  survey::CabinEntry entry{.cabin = entered, .door = *verdict.link_point};
+  std::copy_if(session.visits.begin(), session.visits.end(), std::back_inserter(entry.visits),
+               [&](const survey::Visit& visit) { return visit.time > left; });
+  return entry.visits.empty() ? std::nullopt : std::optional(std::move(entry));
 }
 
 absl::Status CabinReader::AddRideBegun(const survey::SurveyedSession& last, survey::LevelSurvey& level) const {

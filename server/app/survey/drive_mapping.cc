@@ -2,7 +2,6 @@
 #include "server/app/survey/drive_mapping.h"
 
 #include <algorithm>
-#include <iterator>
 #include <set>
 #include <span>
 #include <utility>
@@ -117,18 +116,19 @@ class LevelMapper {
     if (first == drive.end()) return true;
     const Environment environment = maps.at(first->map).environment;
     const bool begins_level = level_.survey.drives.empty();
+    const CabinReader cabins(reader_, site_.rides);
     ENFILADE_ASSIGN_OR_RETURN(const std::optional<closure::DoorVerdict> verdict,
                               reader_.FindVerdict(stored.back()->id));
     DriveToMap to_map{
         .stored = stored, .sessions = drive, .environment = environment, .records = KeyOf(stored, environment)};
-    if (verdict && LeadsToAnotherLevel(*verdict, maps)) {
+    if (verdict && LeadsToAnotherLevel(stored.back()->id, *verdict, maps)) {
       ENFILADE_ASSIGN_OR_RETURN(to_map.until, reader_.FindEndOnLevel(drive.back()));
     }
     if (to_map.until) {
       to_map.records += fmt::format(" until {}", *to_map.until);
       // Once it is cut at the cabin's door, nothing shows where the ride began.
       if (!site_.rides.going_on.contains(drive.back().id)) {
-        drive.back().cabin = EntryOf(*verdict, drive.back(), *to_map.until);
+        drive.back().cabin = cabins.EntryOf(*verdict, drive.back(), *to_map.until);
       }
     }
     if (!begins_level) to_map.start = StartByGraph(*first);
@@ -154,7 +154,6 @@ class LevelMapper {
     PlaceVisits(mapped.trajectory, drive);
     double& factor = level_.survey.variance_factor;
     factor = level_.survey.drives.empty() ? mapped.variance_factor : std::max(factor, mapped.variance_factor);
-    const CabinReader cabins(reader_, site_.rides);
     if (begins_level) {
       ENFILADE_RETURN_IF_ERROR(cabins.PlaceCabin(*stored.front(), drive.front(), level_.survey));
     }
@@ -176,21 +175,14 @@ class LevelMapper {
     return true;
   }
 
-  bool LeadsToAnotherLevel(const closure::DoorVerdict& verdict, const std::map<MapId, storage::Map>& maps) const {
+  // Whether the door at the session's end leads there: by the session that follows, or by the verdict as long as none
+  // is mapped.
+  bool LeadsToAnotherLevel(const SessionId& session, const closure::DoorVerdict& verdict,
+                           const std::map<MapId, storage::Map>& maps) const {
+    if (site_.rides.next.contains(session)) return true;
     if (!verdict.entered_map) return false;
     const auto map = maps.find(*verdict.entered_map);
     return map != maps.end() && map->second.level != level_.survey.level;
-  }
-
-  // `session`: with all its visits. Unset if the door is no cabin's, or none of them is beyond it.
-  std::optional<survey::CabinEntry> EntryOf(const closure::DoorVerdict& verdict, const survey::SurveyedSession& session,
-                                            TimeNs left) const {
-    if (!verdict.link_point || !verdict.entered_map) return std::nullopt;
-    if (!site_.rides.cabins.contains(*verdict.entered_map)) return std::nullopt;
-    survey::CabinEntry entry{.cabin = *verdict.entered_map, .door = *verdict.link_point};
-    std::copy_if(session.visits.begin(), session.visits.end(), std::back_inserter(entry.visits),
-                 [&](const survey::Visit& visit) { return visit.time > left; });
-    return entry.visits.empty() ? std::nullopt : std::optional(std::move(entry));
   }
 
   absl::Status BringUpToDate(DriveToMap& drive, CachedDrive& cached) const {
@@ -273,7 +265,7 @@ class LevelMapper {
   absl::Status AddAwaited(const SessionId& last, const closure::DoorVerdict& verdict,
                           const std::map<MapId, storage::Map>& maps, const DriveTrajectory& trajectory) {
     if (verdict.decision != closure::DoorDecision::kLinkPointMade || !verdict.entered_map || !verdict.T_map_robot ||
-        trajectory.empty() || LeadsToAnotherLevel(verdict, maps)) {
+        trajectory.empty() || LeadsToAnotherLevel(last, verdict, maps)) {
       return absl::OkStatus();
     }
     const auto map = maps.find(*verdict.entered_map);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cabins of lifts, which are maps of one level and entered from others, too.
 #include <algorithm>
+#include <cmath>
 
 #include "core/survey/arrange_maps.h"
 #include "gmock/gmock.h"
@@ -77,6 +78,29 @@ TEST(ArrangeCabins, TheHallsAnchorIsWhereRobotsBroughtTheCabin) {
   EXPECT_EQ(found->FindAnchor(MapId("cabin"))->T_map_place,
             survey.link_points[0].FindAnchor(MapId("cabin"))->T_map_place);
   EXPECT_TRUE(Arrange(after).empty());
+}
+
+// The robot passes the door on this level. Where the cabin is there, it knows by the ride that brought it.
+TEST(ArrangeCabins, ADoorToACabinThatBroughtRobotsIsNoSurerThanTheRide) {
+  const auto yaw_variance = [](const LevelSurvey& survey, const std::string& map) {
+    const LevelSurvey after = After(survey, Arrange(survey));
+    EXPECT_TRUE(Arrange(after).empty());
+    for (const graph::LinkPoint& door : after.link_points) {
+      const graph::Anchor* anchor = door.FindAnchor(MapId(map));
+      if (anchor != nullptr && door.FindAnchor(MapId("a")) != nullptr && door.FindAnchor(MapId("cabin")) != nullptr) {
+        return anchor->covariance(2, 2);
+      }
+    }
+    ADD_FAILURE() << "nothing joins the corridor and the cabin";
+    return 0.0;
+  };
+  const LevelSurvey survey = CorridorWithLift();
+  LevelSurvey brought = survey;
+  brought.cabin_places[MapId("cabin")] = {3.0, -2.0, 0.7};
+  const double ride = std::pow(SurveyOptions().ride_yaw_sigma, 2);
+  EXPECT_GT(yaw_variance(brought, "a"), ride);
+  EXPECT_LT(yaw_variance(brought, "cabin"), ride) << "it counts once";
+  EXPECT_LT(yaw_variance(survey, "a"), ride) << "no ride shows where the cabin is";
 }
 
 // The robot's next ride began where the level's map shows it, and found a door on another level.

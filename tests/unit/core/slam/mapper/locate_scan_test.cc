@@ -152,5 +152,42 @@ TEST_F(LocateScanTest, KeepsAScanThatContradictsTheMapOut) {
   EXPECT_THAT(located.track.T_submap_robot, PoseNear(kLast * kStep, 1e-12, 1e-12)) << "by the odometry alone";
 }
 
+// The robot enters a map at kLast, and its first scan is one step further.
+class LocateAtEntryTest : public LocateScanTest {
+ protected:
+  LocateAtEntryTest() {
+    entry_.T_map_robot = {kEntry, Eigen::Vector3d(0.0004, 0.0004, 0.0001).asDiagonal()};
+    entry_.T_odom_robot = kOdom;
+    entry_.seen = RobotRays(Seen(kLast), {});
+  }
+
+  PoseWithCovariance LocateFirst(const sensor::LaserScan& scan, const Pose2& T_odom_robot) const {
+    return LocateAtEntry(entry_, {1, scan, T_odom_robot}, RobotRays(scan, {}), options_);
+  }
+
+  static constexpr Pose2 kEntry{-2.0, 7.0, 2.5};
+  static constexpr Pose2 kOdom{11.0, 4.0, -1.0};
+  ExistingMapEntry entry_;
+};
+
+TEST_F(LocateAtEntryTest, CorrectsTheOdometryByWhatWasSeenThere) {
+  const Pose2 T_odom_now = kOdom * kStep * Pose2{0.03, -0.02, 0.03};
+  const PoseWithCovariance first = LocateFirst(Seen(kLast * kStep), T_odom_now);
+  EXPECT_THAT(first.pose, PoseNear(kEntry * kStep, 0.02, 0.008));
+  const PoseWithCovariance by_odometry = PoseAtScan(entry_, T_odom_now, options_);
+  EXPECT_LT(first.covariance(2, 2), by_odometry.covariance(2, 2));
+  EXPECT_GE(first.covariance(2, 2), entry_.T_map_robot.covariance(2, 2));
+}
+
+TEST_F(LocateAtEntryTest, GoesByOdometryIfNothingWasSeenOrTheScanShowsNothing) {
+  const Pose2 T_odom_now = kOdom * kStep;
+  const PoseWithCovariance by_odometry = PoseAtScan(entry_, T_odom_now, options_);
+  EXPECT_EQ(LocateFirst(EmptyScan(), T_odom_now).pose, by_odometry.pose);
+  entry_.seen.reset();
+  const PoseWithCovariance first = LocateFirst(Seen(kLast * kStep), T_odom_now);
+  EXPECT_EQ(first.pose, by_odometry.pose);
+  EXPECT_EQ(first.covariance, by_odometry.covariance);
+}
+
 }  // namespace
 }  // namespace enfilade::slam

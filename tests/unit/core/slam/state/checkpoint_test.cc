@@ -188,9 +188,22 @@ TEST(Checkpoint, RefusesTruncatedAndTrailingBytes) {
 TEST(Checkpoint, RefusesAnotherVersion) {
   const MapperState state = FullState();
   std::string raw = RawCheckpoint(state);
-  raw[0] = 6;
+  raw[0] = 7;
   EXPECT_STATUS(DecodeCheckpoint(Compress(raw), RowsOf(state), {}), absl::StatusCode::kDataLoss,
-                HasSubstr("version 6"));
+                HasSubstr("version 7"));
+}
+
+TEST(Checkpoint, KeepsWhatWasSeenAtTheEntry) {
+  MapperState state = FullState();
+  ASSERT_EQ(RawCheckpoint(state)[0], 5) << "without it, older programs can read the checkpoint";
+  state.entry->seen = state.active->content.scans.front();
+  ASSERT_OK_AND_ASSIGN(const MapperState restored, DecodeCheckpoint(EncodeCheckpoint(state), RowsOf(state), {}));
+  ASSERT_TRUE(restored.entry && restored.entry->seen);
+  EXPECT_EQ(restored.entry->seen->hits, state.entry->seen->hits);
+  EXPECT_EQ(restored.entry->seen->free_ends, state.entry->seen->free_ends);
+  EXPECT_EQ(restored.entry->seen->origin, state.entry->seen->origin);
+  EXPECT_EQ(restored.entry->T_odom_robot, state.entry->T_odom_robot);
+  ExpectEqualTracks(restored.track, state.track);
 }
 
 constexpr std::size_t kBeforeErrors = 1 + 3 * 8 + 1 + 8 + 1 + 1 + 8;

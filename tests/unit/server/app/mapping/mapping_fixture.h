@@ -30,6 +30,13 @@ class MappingFixture : public ::testing::Test {
     static const auto* log = new std::vector<sensor::Record>(MakeLog());
     return *log;
   }
+  // The robot's pose at each scan of the log, in the frame of the first one.
+  static std::vector<Pose2> Truth() {
+    std::vector<Pose2> poses = Poses();
+    const Pose2 first = poses.front();
+    for (Pose2& pose : poses) pose = Between(first, pose);
+    return poses;
+  }
   // What the offline tool makes of the log.
   static const slam::SlamMap& OfflineMap() {
     static const auto* map = new slam::SlamMap(MapOffline());
@@ -86,12 +93,12 @@ class MappingFixture : public ::testing::Test {
   testing::InMemoryStores stores_;
 
  private:
+  static std::vector<Pose2> Poses() { return testing::Drive({{3, 3}, {15, 3}, {15, 7}, {3, 7}, {3, 3}}, 0.4); }
   static std::vector<sensor::Record> MakeLog() {
     const auto walls =
         testing::WallsFromText({"##########", "#........#", "#...##...#", "#........#", "##########"}, 2.0);
-    const auto poses = testing::Drive({{3, 3}, {15, 3}, {15, 7}, {3, 7}, {3, 3}}, 0.4);
     std::vector<sensor::Record> log;
-    for (sensor::PairedScan& scan : testing::Record(walls, poses, {}, {}, 1)) {
+    for (sensor::PairedScan& scan : testing::Record(walls, Poses(), {}, {}, 1)) {
       log.push_back({0, sensor::Odometry{scan.scan.time - 10'000'000, *scan.T_odom_robot}});
       log.push_back({0, std::move(scan.scan)});
     }
