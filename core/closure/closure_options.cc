@@ -25,8 +25,8 @@ absl::Status DoorClosureOptions::Validate() const {
                              probability);
     }
   }
-  for (const double sigma :
-       {place_sigma, place_yaw_sigma, pose_sigma, pose_yaw_sigma, origin_sigma, origin_yaw_sigma, cloud_voxel}) {
+  for (const double sigma : {place_sigma, place_yaw_sigma, pose_sigma, pose_yaw_sigma, origin_sigma, origin_yaw_sigma,
+                             ride_yaw_sigma, cloud_voxel}) {
     if (!(sigma > 0.0)) return InvalidArgument("sigmas and cloud_voxel must be greater than 0");
   }
   for (const double ratio : {image_sift_ratio, image_akaze_ratio}) {

@@ -89,6 +89,7 @@ struct DoorClosureOptions {
   // --- A new map.
   double origin_sigma = 0.01;       // m: its frame starts at the door, so the door's pose is exact by definition
   double origin_yaw_sigma = 0.005;  // rad
+  double ride_yaw_sigma = 0.012;    // rad, beside it on another level: of how a ride shows its heading
   std::string map_name = "Map";     // its name is this and the least free number: "Map 3"
   std::string indoor_profile;       // the SLAM profile of a new map indoors; empty: the server's own
   std::string outdoor_profile;
@@ -157,6 +158,7 @@ void VisitChoiceOptions(Options& o, Visit& visit) {
   visit("odometry_yaw_sigma", o.odometry_yaw_sigma);
   visit("origin_sigma", o.origin_sigma);
   visit("origin_yaw_sigma", o.origin_yaw_sigma);
+  visit("ride_yaw_sigma", o.ride_yaw_sigma);
   visit("map_name", o.map_name);
   visit("indoor_profile", o.indoor_profile);
   visit("outdoor_profile", o.outdoor_profile);

@@ -48,7 +48,7 @@ struct EntryReach {
 };
 EntryReach ReachOf(const ExistingMapEntry& entry);
 
-// For checkpoints: exact, but for `seen`.
+// For checkpoints: exact, without `seen`.
 void PutEntry(BinaryWriter& writer, const std::optional<ExistingMapEntry>& entry);
 std::optional<ExistingMapEntry> GetEntry(BinaryReader& reader);
 

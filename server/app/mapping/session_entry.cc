@@ -16,7 +16,7 @@ namespace enfilade::server {
 namespace {
 
 constexpr auto kReadingTimeout = std::chrono::seconds(60);
-constexpr std::int64_t kLastRecords = 500;
+constexpr std::int64_t kLastRecords = 200;
 // The entry is the pose at one of the last scans. Another one is as good if the robot hardly moved in between.
 constexpr double kNear = 0.2;       // m
 constexpr double kNearAngle = 0.2;  // rad

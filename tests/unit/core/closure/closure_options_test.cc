@@ -38,6 +38,7 @@ TEST(DoorClosureOptions, ValidateNamesTheOptionThatIsOutOfRange) {
       {"max_searched is -1", [](DoorClosureOptions& o) { o.max_searched = -1; }},
       {"sigmas", [](DoorClosureOptions& o) { o.place_sigma = 0.0; }},
       {"sigmas", [](DoorClosureOptions& o) { o.origin_yaw_sigma = 0.0; }},
+      {"sigmas", [](DoorClosureOptions& o) { o.ride_yaw_sigma = 0.0; }},
       {"cloud_voxel", [](DoorClosureOptions& o) { o.cloud_voxel = 0.0; }},
       {"share", [](DoorClosureOptions& o) { o.min_inlier_share = 1.5; }},
       {"share", [](DoorClosureOptions& o) { o.locate_min_share = 1.01; }},

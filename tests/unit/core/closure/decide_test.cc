@@ -356,6 +356,17 @@ TEST(DecidePlaces, AnEmptySiteNeedsNoEvidence) {
   EXPECT_EQ(run.judgement.reason, "no known place within the search radius");
 }
 
+TEST(DecidePlaces, TheHeadingOfANewLevelIsNoSurerThanTheRideToIt) {
+  const auto yaw_variance = [](std::optional<int> level) {
+    DoorScenario scenario;
+    scenario.knowledge().report.entered_level = level;
+    return ActionOf<StartMap>(scenario.Run().judgement).link_point.anchors.back().covariance(2, 2);
+  };
+  const DoorClosureOptions options;
+  EXPECT_NEAR(yaw_variance(std::nullopt), std::pow(options.origin_yaw_sigma, 2), 1e-12);
+  EXPECT_NEAR(yaw_variance(5), std::pow(options.origin_yaw_sigma, 2) + std::pow(options.ride_yaw_sigma, 2), 1e-12);
+}
+
 // The images of two rooms look the same, and the graph knows the way to neither.
 TEST(DecidePlaces, TakesNeitherOfTwoLookAlikesAndAsksNoScans) {
   DoorScenario scenario;
