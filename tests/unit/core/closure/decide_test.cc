@@ -202,19 +202,6 @@ TEST(DecidePassed, AContradictedOneIsNotComparedAgainAndTheNextOneIsTried) {
   EXPECT_THAT(run.judgement.comparisons[0].reason, HasSubstr("what the robot sees contradicts it"));
 }
 
-TEST(DecidePassed, ALiftLeadsToTheEnteredLevel) {
-  DoorScenario scenario;
-  scenario.Add("lift", {{"attic", {5, 5, 0}}, {"here", {10, 0, 0}}, {"room", {0, 0, 0}}});
-  EXPECT_EQ(ActionOf<RecogniseLinkPoint>(scenario.Run().judgement).entered.map, MapId("room"));
-  scenario.knowledge().report.entered_level = 1;
-  const auto up = ActionOf<RecogniseLinkPoint>(scenario.Run().judgement);
-  EXPECT_EQ(up.entered.map, MapId("attic"));
-  EXPECT_THAT(up.entered.T_map_robot->pose, PoseNear(Pose2{7, 5, 0}, 1e-9, 1e-9));
-  // No anchor on that level: the doors of a lift are above each other, and this one was not known.
-  scenario.knowledge().report.entered_level = 7;
-  EXPECT_EQ(ActionOf<StartMap>(scenario.Run().judgement).map.level, 7);
-}
-
 TEST(DecidePassed, TheNextDoorIsNotThisOne) {
   for (const double beside : {0.9, 1.5, -1.2}) {
     DoorScenario scenario;
@@ -354,17 +341,6 @@ TEST(DecidePlaces, AnEmptySiteNeedsNoEvidence) {
   EXPECT_THAT(run.steps, ElementsAre("graph:door", "graph:places", "graph:maps"));
   EXPECT_EQ(ActionOf<StartMap>(run.judgement).map.level, 5);
   EXPECT_EQ(run.judgement.reason, "no known place within the search radius");
-}
-
-TEST(DecidePlaces, TheHeadingOfANewLevelIsNoSurerThanTheRideToIt) {
-  const auto yaw_variance = [](std::optional<int> level) {
-    DoorScenario scenario;
-    scenario.knowledge().report.entered_level = level;
-    return ActionOf<StartMap>(scenario.Run().judgement).link_point.anchors.back().covariance(2, 2);
-  };
-  const DoorClosureOptions options;
-  EXPECT_NEAR(yaw_variance(std::nullopt), std::pow(options.origin_yaw_sigma, 2), 1e-12);
-  EXPECT_NEAR(yaw_variance(5), std::pow(options.origin_yaw_sigma, 2) + std::pow(options.ride_yaw_sigma, 2), 1e-12);
 }
 
 // The images of two rooms look the same, and the graph knows the way to neither.
