@@ -45,6 +45,7 @@ void VisitOptions(Options& options, Visitor&& visit) {
   visit("mapping.lease_s", options.mapping.lease_s);
   visit("mapping.checkpoint_interval_s", options.mapping.checkpoint_interval_s);
   visit("mapping.revision_interval_s", options.mapping.revision_interval_s);
+  visit("mapping.parked_bytes", options.mapping.parked_bytes);
   visit("mapping.pairing_window_s", options.mapping.pairing_window_s);
   visit("mapping.slam_options_file", options.mapping.slam_options_file);
   visit("mapping.slam_profiles_directory", options.mapping.slam_profiles_directory);
@@ -262,7 +263,8 @@ absl::Status ServerOptions::Validate() const {
        {std::pair{"ingest.stream_buffer_bytes", ingest.stream_buffer_bytes},
         std::pair{"ingest.total_buffer_bytes", ingest.total_buffer_bytes},
         std::pair{"ingest.transaction_bytes", ingest.transaction_bytes},
-        std::pair{"survey.cache_bytes", survey.cache_bytes}, std::pair{"transfers.cache_bytes", transfers.cache_bytes},
+        std::pair{"mapping.parked_bytes", mapping.parked_bytes}, std::pair{"survey.cache_bytes", survey.cache_bytes},
+        std::pair{"transfers.cache_bytes", transfers.cache_bytes},
         std::pair{"transfers.max_import_bytes", transfers.max_import_bytes},
         std::pair{"transfers.upload_memory_bytes", transfers.upload_memory_bytes},
         std::pair{"transfers.upload_disk_bytes", transfers.upload_disk_bytes}}) {

@@ -79,6 +79,9 @@ struct ServerOptions {
     double checkpoint_interval_s = 5.0;
     // ... and a revision of the grid this often while a session is being recorded, s.
     double revision_interval_s = 20.0;
+    // Memory for live sessions between two turns of mapping, so that they are not loaded from the database again,
+    // bytes.
+    std::int64_t parked_bytes = 512LL << 20;
     // A scan is paired with odometry at most this far from it in time, s.
     double pairing_window_s = 0.5;
     // A YAML file with SLAM options; empty: the defaults. They are the profile "indoor" and, with a longer range,

@@ -64,6 +64,12 @@ void LayerOverlay::Keep(const storage::StoredRaster& layer, grid::OccupancyGrid 
   grids_.insert_or_assign(ContentHash(layer.header, layer.tiles), std::move(grid));
 }
 
+std::size_t LayerOverlay::bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [hash, grid] : grids_) bytes += hash.capacity() + grid.cells.capacity();
+  return bytes;
+}
+
 absl::StatusOr<const grid::OccupancyGrid*> LayerOverlay::Read(const storage::CallContext& context,
                                                               const storage::MapLayer& layer, double resolution,
                                                               std::map<std::string, grid::OccupancyGrid>& used) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 
@@ -34,6 +35,9 @@ class LayerOverlay {
                                               const grid::OccupancyGrid& own);
   // A layer that need not be read, on the lattice of the resolution for which Compose is called next.
   void Keep(const storage::StoredRaster& layer, grid::OccupancyGrid grid);
+
+  // Memory held, about.
+  std::size_t bytes() const;
 
  private:
   absl::StatusOr<const grid::OccupancyGrid*> Read(const storage::CallContext& context, const storage::MapLayer& layer,

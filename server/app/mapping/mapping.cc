@@ -3,10 +3,8 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <exception>
-#include <iterator>
 #include <utility>
 
 #include "core/base/error.h"
@@ -26,7 +24,6 @@ constexpr auto kTurn = std::chrono::seconds(3);
 constexpr auto kMinTurnInterval = std::chrono::milliseconds(100);
 // Records that other processes store do not wake this one: it polls for them.
 constexpr auto kPollInterval = std::chrono::seconds(1);
-constexpr std::size_t kMaxParked = 4;
 
 std::chrono::milliseconds LeaseTime(const ServerOptions::Mapping& options) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(options.lease_s * 1000.0));
@@ -61,7 +58,8 @@ Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles
       session_options_(SessionOptions(options, slam)),
       metrics_(metrics),
       on_session_ended_(std::move(on_session_ended)),
-      owner_(NewUuid()) {
+      owner_(NewUuid()),
+      parked_(static_cast<std::size_t>(options.parked_bytes)) {
   for (int i = 0; i < options.workers; ++i) workers_.emplace_back([this, i] { Work(i); });
   lease_keeper_ = std::thread([this] { KeepLeases(); });
 }
@@ -69,7 +67,8 @@ Mapping::Mapping(const ServerOptions::Mapping& options, const slam::SlamProfiles
 Mapping::~Mapping() {
   Stop();
   for (std::thread& worker : workers_) worker.join();
-  QueueParked();
+  Queue(storage::CallContext::WithTimeout(kStopTimeout),  // for all of them; the next server stores them
+        parked_.ListUnstored([](const SessionMapping&) { return true; }));
   workers_done_.Set();
   lease_keeper_.join();
 }
@@ -97,7 +96,9 @@ void Mapping::Work(int worker) {
   const std::string owner = fmt::format("{}/{}", owner_, worker);
   while (!stop_.is_set()) {
     const auto begin = std::chrono::steady_clock::now();
-    QueueOverdue();
+    // Of robots that send nothing more.
+    Queue(storage::CallContext::WithTimeout(kWorkTimeout),
+          parked_.ListUnstored([](const SessionMapping& mapping) { return mapping.overdue(); }));
     if (!TakeTurn(owner)) wake_.WaitFor(kPollInterval);
     stop_.WaitFor(kMinTurnInterval - (std::chrono::steady_clock::now() - begin));
   }
@@ -138,7 +139,9 @@ void Mapping::MapSession(const storage::LeasedSession& leased, Turn& turn) {
   const bool ended = failed || (mapping && mapping->ended());
   const std::int64_t read_sequence = mapping ? mapping->read_sequence() : 0;
   if (status.ok()) {
-    Park(leased.lease, std::move(mapping));
+    if (!ended) {
+      Queue(storage::CallContext::WithTimeout(kWorkTimeout), parked_.Park(leased.lease, std::move(mapping)));
+    }
   } else if (failed) {
     mapping.reset();
     spdlog::error("mapping: session {} failed: {}", session, status.ToString());
@@ -161,20 +164,23 @@ absl::Status Mapping::MapForOneTurn(const storage::LeasedSession& leased, Turn& 
                     leased.attempts - 1);
   }
   try {
-    mapping = Unpark(leased);
+    mapping = parked_.Take(leased);
     const bool was_parked = mapping != nullptr;
     if (!mapping) {
       ENFILADE_ASSIGN_OR_RETURN(mapping, SessionMapping::Load(stores_, session_options_, leased.session));
     }
-    return MapUntilTurnEnds(leased.lease, *mapping, turn, was_parked);
+    return MapUntilTurnEnds(leased, *mapping, turn, was_parked);
   } catch (const std::exception& exception) {
     mapping.reset();
     return Internal("attempt {} to map the session: {}", leased.attempts, exception.what());
   }
 }
 
-absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn,
+absl::Status Mapping::MapUntilTurnEnds(const storage::LeasedSession& leased, SessionMapping& mapping, Turn& turn,
                                        bool was_parked) {
+  const storage::SessionLease& lease = leased.lease;
+  // What comes during the turn is left to the next one: looking for it would cost more than mapping a scan.
+  const bool is_live = leased.session.state == storage::SessionState::kRecording;
   const auto end = std::chrono::steady_clock::now() + kTurn;
   while (!turn.lease_lost && !stop_.is_set() && std::chrono::steady_clock::now() < end) {
     const slam::LogMapperCounts before = mapping.counts();
@@ -186,69 +192,19 @@ absl::Status Mapping::MapUntilTurnEnds(const storage::SessionLease& lease, Sessi
     metrics_.CountScansMapped(used, settled - used);
     if (progress == SessionMapping::Progress::kEnded) return absl::OkStatus();
     if (progress == SessionMapping::Progress::kWaiting) break;
+    if (is_live && mapping.read_sequence() >= lease.acknowledged_sequence) break;
   }
   if (turn.lease_lost) return absl::AbortedError("the lease is lost");
   return was_parked && !stop_.is_set() ? mapping.StoreIfDue(lease) : mapping.Store(lease);
 }
 
-// A parked mapping can be reused only if no other worker has had the session since.
-std::unique_ptr<SessionMapping> Mapping::Unpark(const storage::LeasedSession& leased) {
-  MutexLock lock(mutex_);
-  for (auto parked = parked_.begin(); parked != parked_.end(); ++parked) {
-    if (parked->lease.site != leased.lease.site || parked->lease.session != leased.lease.session) continue;
-    std::unique_ptr<SessionMapping> mapping = std::move(parked->mapping);
-    const bool is_current =
-        leased.lease.token == parked->lease.token + 1 && leased.session.mapped_sequence == mapping->stored_sequence();
-    parked_.erase(parked);
-    return is_current ? std::move(mapping) : nullptr;
+void Mapping::Queue(const storage::CallContext& context, const std::vector<storage::SessionLease>& leases) const {
+  for (const storage::SessionLease& lease : leases) {
+    const absl::Status queued = stores_.mappings.Queue(context, lease.site, lease.session);
+    if (queued.ok()) continue;
+    spdlog::warn("mapping: what was mapped last of session {} is stored only with its next records: {}",
+                 lease.session.value(), queued.ToString());
   }
-  return nullptr;
-}
-
-void Mapping::Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping) {
-  if (mapping->ended()) return;
-  std::list<Parked> evicted;
-  {
-    MutexLock lock(mutex_);
-    parked_.push_front({lease, std::move(mapping)});
-    if (parked_.size() <= kMaxParked) return;
-    // Rather one that is stored.
-    const auto stored =
-        std::find_if(parked_.rbegin(), parked_.rend(), [](const Parked& parked) { return parked.mapping->stored(); });
-    evicted.splice(evicted.end(), parked_,
-                   stored == parked_.rend() ? std::prev(parked_.end()) : std::prev(stored.base()));
-  }
-  if (evicted.front().mapping->stored()) return;
-  Queue(storage::CallContext::WithTimeout(kWorkTimeout), evicted.front().lease);
-}
-
-void Mapping::QueueOverdue() {
-  for (const auto& lease : TakeUnstored([](const SessionMapping& mapping) { return mapping.overdue(); })) {
-    Queue(storage::CallContext::WithTimeout(kWorkTimeout), lease);
-  }
-}
-
-void Mapping::QueueParked() {
-  const auto context = storage::CallContext::WithTimeout(kStopTimeout);  // for all of them
-  for (const auto& lease : TakeUnstored([](const SessionMapping&) { return true; })) Queue(context, lease);
-}
-
-std::vector<storage::SessionLease> Mapping::TakeUnstored(const std::function<bool(const SessionMapping&)>& which) {
-  std::vector<storage::SessionLease> taken;
-  MutexLock lock(mutex_);
-  for (Parked& parked : parked_) {
-    if (parked.queued || parked.mapping->stored() || !which(*parked.mapping)) continue;
-    parked.queued = true;
-    taken.push_back(parked.lease);
-  }
-  return taken;
-}
-
-void Mapping::Queue(const storage::CallContext& context, const storage::SessionLease& lease) const {
-  const absl::Status queued = stores_.mappings.Queue(context, lease.site, lease.session);
-  if (queued.ok()) return;
-  spdlog::warn("mapping: what was mapped last of session {} is stored only with its next records: {}",
-               lease.session.value(), queued.ToString());
 }
 
 void Mapping::KeepLeases() {

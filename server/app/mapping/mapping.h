@@ -14,6 +14,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "core/base/mutex.h"
+#include "server/app/mapping/parked_mappings.h"
 #include "server/app/mapping/session_mapping.h"
 #include "server/app/runtime/metrics.h"
 #include "server/app/runtime/stop_signal.h"
@@ -62,18 +63,10 @@ class Mapping {
   absl::Status MapForOneTurn(const storage::LeasedSession& leased, Turn& turn,
                              std::unique_ptr<SessionMapping>& mapping);
   // `was_parked`: it was kept since its last turn, and probably will be until its next one.
-  absl::Status MapUntilTurnEnds(const storage::SessionLease& lease, SessionMapping& mapping, Turn& turn,
+  absl::Status MapUntilTurnEnds(const storage::LeasedSession& leased, SessionMapping& mapping, Turn& turn,
                                 bool was_parked);
-  std::unique_ptr<SessionMapping> Unpark(const storage::LeasedSession& leased);
-  void Park(const storage::SessionLease& lease, std::unique_ptr<SessionMapping> mapping);
-  // Has those parked mappings stored whose robots send nothing more.
-  void QueueOverdue();
-  // The same for all parked ones, by the next server.
-  void QueueParked();
-  // The sessions of parked mappings that are not stored and that `which` chooses.
-  std::vector<storage::SessionLease> TakeUnstored(const std::function<bool(const SessionMapping&)>& which);
-  // Has a session found again whose last results are not stored.
-  void Queue(const storage::CallContext& context, const storage::SessionLease& lease) const;
+  // Has sessions found again whose last results are not stored.
+  void Queue(const storage::CallContext& context, const std::vector<storage::SessionLease>& leases) const;
 
   const ServerOptions::Mapping options_;
   const SessionMappingStores stores_;
@@ -82,17 +75,10 @@ class Mapping {
   const std::function<void()> on_session_ended_;
   const std::string owner_;
 
-  // A mapping between two turns, kept to avoid loading it from the database again, and storing it in each turn.
-  struct Parked {
-    storage::SessionLease lease;
-    std::unique_ptr<SessionMapping> mapping;
-    bool queued = false;  // since its last turn
-  };
-
   StopSignal stop_;
   WakeSignal wake_;
+  ParkedMappings parked_;
   Mutex mutex_;
-  std::list<Parked> parked_ ABSL_GUARDED_BY(mutex_);  // most recent first
   std::list<std::shared_ptr<Turn>> turns_ ABSL_GUARDED_BY(mutex_);
   std::set<std::pair<SiteId, SessionId>> woken_ ABSL_GUARDED_BY(mutex_);  // since the last look for work
   std::vector<std::thread> workers_;

@@ -50,6 +50,8 @@ absl::Status SessionLocation::Locate() {
   return absl::OkStatus();
 }
 
+std::size_t SessionLocation::bytes() const { return map_.cells.capacity() + (searchable_ ? searchable_->bytes() : 0); }
+
 absl::Status SessionLocation::NotFoundIn() const {
   return FailedPrecondition(
       "the robot was not located in the map, which has content already ({}): give its pose in the map when the session "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,8 @@ class SessionLocation {
   std::optional<slam::ExistingMap> TakeLocated();
   // So far, there is nothing that could lie in the wrong place.
   bool has_no_scans() const { return recent_.scans().empty(); }
+  // Memory held, about.
+  std::size_t bytes() const;
 
  private:
   absl::Status LookAround();

@@ -160,6 +160,11 @@ bool SessionMapping::overdue() const {
   return !stored() && std::chrono::steady_clock::now() - last_commit_ >= options_.checkpoint_interval;
 }
 
+std::size_t SessionMapping::bytes() const {
+  return sizeof(*this) + overlay_.bytes() + (location_ ? location_->bytes() : 0) +
+         (mapper_ ? mapper_->footprint().total() : 0);
+}
+
 absl::Status SessionMapping::StoreIfDue(const storage::SessionLease& lease) {
   if (overdue()) return Store(lease);
   if (!stored()) StorePose();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -83,6 +84,8 @@ class SessionMapping {
   // All records up to it have been read: to map them, or to locate the robot by them.
   std::int64_t read_sequence() const { return location_ ? looked_sequence_ : mapped_sequence_; }
   bool ended() const { return ended_; }
+  // Memory held, about.
+  std::size_t bytes() const;
   slam::LogMapperCounts counts() const { return mapper_ ? mapper_->counts() : slam::LogMapperCounts(); }
 
  private:

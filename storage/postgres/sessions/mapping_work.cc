@@ -55,23 +55,6 @@ constexpr Statement kSelectBacklog{
     "   ON p.site_id = n.site_id AND p.session_id = n.previous_session_id WHERE n.previous_session_id IS NOT NULL"
     "   AND n.map_id IS NULL AND n.delete_time IS NULL AND p.finish_time IS NOT NULL) u"};
 
-struct LockedWork {
-  bool to_be_mapped = false;
-  std::int64_t mapped_sequence = 0;
-};
-// Unset if the session does not exist.
-absl::StatusOr<std::optional<LockedWork>> LockWork(Transaction& transaction, const SiteId& site,
-                                                   const SessionId& session, std::int64_t read_sequence) {
-  ENFILADE_ASSIGN_OR_RETURN(const Result locked, transaction.Execute(kLockWork, Params(site, session, read_sequence)));
-  if (locked.rows() == 0) return std::nullopt;
-  Row row(locked, 0);
-  LockedWork work;
-  work.to_be_mapped = row.Bool();
-  work.mapped_sequence = row.Int64();
-  ENFILADE_RETURN_IF_ERROR(row.status());
-  return std::optional<LockedWork>(work);
-}
-
 }  // namespace
 
 void QueueMappingWork(Transaction& transaction, const SiteId& site, const std::vector<std::string_view>& sessions) {
@@ -93,23 +76,27 @@ absl::StatusOr<std::vector<WaitingSession>> FindMappingWork(Pool& pool, const Ca
   });
 }
 
-absl::Status DropIfMapped(Pool& pool, const CallContext& context, const WaitingSession& waiting) {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  ENFILADE_ASSIGN_OR_RETURN(const auto work, LockWork(transaction, waiting.site, waiting.session, 0));
-  if (work && work->to_be_mapped) return absl::OkStatus();
-  transaction.Queue(kDropWork, Params(waiting.site, waiting.session));
-  return transaction.Commit();
+void QueueLookAtWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence) {
+  transaction.Queue(kLockWork, Params(lease.site, lease.session, read_sequence));
 }
 
-absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence) {
-  ENFILADE_ASSIGN_OR_RETURN(const auto work, LockWork(transaction, lease.site, lease.session, read_sequence));
-  if (!work || !work->to_be_mapped) {
+absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence,
+                               const Result& looked) {
+  bool to_be_mapped = false;  // as it stays if the session does not exist any more
+  std::int64_t mapped_sequence = 0;
+  if (looked.rows() > 0) {
+    Row row(looked, 0);
+    to_be_mapped = row.Bool();
+    mapped_sequence = row.Int64();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+  }
+  if (!to_be_mapped) {
     transaction.Queue(kDropWork, Params(lease.site, lease.session));
     return absl::OkStatus();
   }
   std::optional<Timestamp> waiting_since;
   // What was read is mapped, even if it is not stored yet.
-  if (std::max(work->mapped_sequence, read_sequence) >= lease.acknowledged_sequence)
+  if (std::max(mapped_sequence, read_sequence) >= lease.acknowledged_sequence)
     waiting_since = Timestamp{lease.take_time};
   transaction.Queue(kRequeueWork, Params(lease.site, lease.session, waiting_since));
   return absl::OkStatus();

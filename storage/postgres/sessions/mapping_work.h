@@ -30,11 +30,12 @@ struct WaitingSession {
 constexpr std::size_t kMappingCandidates = 8;
 // Those of all sites that nobody holds and that have waited longest for their turn: kMappingCandidates, or all.
 absl::StatusOr<std::vector<WaitingSession>> FindMappingWork(Pool& pool, const CallContext& context);
-// Removes the row of a session that is not to be mapped.
-absl::Status DropIfMapped(Pool& pool, const CallContext& context, const WaitingSession& waiting);
-// At the end of a turn under `lease`, whose row the transaction has locked: removes the row of the session or moves it
-// to the end of the queue. See MappingStore::Release.
-absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence);
+// At the end of a turn under `lease`, whose row the transaction locks or has locked: queues the statement that locks
+// the session and tells whether it waits still (MappingStore::Release).
+void QueueLookAtWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence);
+// With the rows of that statement, removes the session's row of mapping_work or moves it to the end of the queue.
+absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence,
+                               const Result& looked);
 
 absl::StatusOr<MappingBacklog> ReadMappingBacklog(Pool& pool, const CallContext& context);
 

@@ -67,27 +67,21 @@ TakenLease ReadTakenLease(Row& row) {
 absl::StatusOr<std::optional<LeasedSession>> TakeLease(Pool& pool, const CallContext& context,
                                                        const WaitingSession& waiting, const std::string& owner,
                                                        std::chrono::milliseconds ttl) {
+  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+  transaction.Queue(kTakeSessionLease, Params(waiting.site, waiting.session, owner, std::int64_t{ttl.count()}));
+  transaction.Queue(kSelectLeasedSession, Params(waiting.site, waiting.session));
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  if (results[0].rows() == 0) return std::nullopt;
+  const std::string name = NameOf(waiting.site, waiting.session);
+  ENFILADE_ASSIGN_OR_RETURN(const TakenLease taken, ReadOne(results[0], ReadTakenLease, name));
   LeasedSession leased;
-  {
-    ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-    transaction.Queue(kTakeSessionLease, Params(waiting.site, waiting.session, owner, std::int64_t{ttl.count()}));
-    transaction.Queue(kSelectLeasedSession, Params(waiting.site, waiting.session));
-    ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
-    if (results[0].rows() == 0) return std::nullopt;
-    const std::string name = NameOf(waiting.site, waiting.session);
-    ENFILADE_ASSIGN_OR_RETURN(const TakenLease taken, ReadOne(results[0], ReadTakenLease, name));
-    if (results[1].rows() > 0) {
-      ENFILADE_ASSIGN_OR_RETURN(leased.session, ReadOne(results[1], ReadSession, name));
-    }
-    leased.attempts = taken.attempts;
-    leased.lease = {waiting.site, waiting.session, owner,
-                    taken.token,  taken.time,      leased.session.acknowledged_sequence};
-    if (IsToBeMapped(leased.session, 0)) {
-      ENFILADE_RETURN_IF_ERROR(transaction.Commit());
-      return leased;
-    }
+  if (results[1].rows() > 0) {
+    ENFILADE_ASSIGN_OR_RETURN(leased.session, ReadOne(results[1], ReadSession, name));
   }
-  ENFILADE_RETURN_IF_ERROR(DropIfMapped(pool, context, waiting));
+  leased.attempts = taken.attempts;
+  leased.lease = {waiting.site, waiting.session, owner, taken.token, taken.time, leased.session.acknowledged_sequence};
+  if (IsToBeMapped(leased.session, 0)) return leased;
+  ENFILADE_RETURN_IF_ERROR(ReleaseLease(pool, context, leased.lease, 0));
   return std::nullopt;
 }
 
@@ -117,11 +111,11 @@ absl::Status RenewLease(Pool& pool, const CallContext& context, const SessionLea
 absl::Status ReleaseLease(Pool& pool, const CallContext& context, const SessionLease& lease,
                           std::int64_t read_sequence) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  ENFILADE_ASSIGN_OR_RETURN(
-      const Result released,
-      transaction.Execute(kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token)));
-  if (released.affected() == 0) return absl::OkStatus();
-  ENFILADE_RETURN_IF_ERROR(ReturnMappingWork(transaction, lease, read_sequence));
+  transaction.Queue(kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token));
+  QueueLookAtWork(transaction, lease, read_sequence);
+  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
+  if (results[0].affected() == 0) return absl::OkStatus();
+  ENFILADE_RETURN_IF_ERROR(ReturnMappingWork(transaction, lease, read_sequence, results[1]));
   return transaction.Commit();
 }
 

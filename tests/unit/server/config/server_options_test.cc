@@ -156,6 +156,7 @@ TEST(ServerOptions, BoundsEveryNumberAndItsEffectOnConnections) {
         Case{"mapping.checkpoint_interval_s", [](ServerOptions& o) { o.mapping.checkpoint_interval_s = -1.0; }},
         Case{"mapping.revision_interval_s", [](ServerOptions& o) { o.mapping.revision_interval_s = -1.0; }},
         Case{"mapping.pairing_window_s", [](ServerOptions& o) { o.mapping.pairing_window_s = -1.0; }},
+        Case{"mapping.parked_bytes", [](ServerOptions& o) { o.mapping.parked_bytes = 0; }},
         Case{"transfers.cache_bytes", [](ServerOptions& o) { o.transfers.cache_bytes = 0; }},
         Case{"transfers.max_import_bytes", [](ServerOptions& o) { o.transfers.max_import_bytes = 0; }},
         Case{"survey.share", [](ServerOptions& o) { o.survey.share = 1.5; }},

@@ -64,23 +64,42 @@ TEST_F(MappingWorkersTest, AServerThatStopsLeavesWhatItHasNotStoredToTheNextOne)
   AwaitMapped(session, 80);
 }
 
-TEST_F(MappingWorkersTest, ManyLiveSessionsAreAllStored) {
-  options_.checkpoint_interval_s = 0.5;
-  std::vector<SessionId> sessions;
-  for (int i = 0; i < 7; ++i) {  // more than are kept between their turns
-    const std::string id = std::to_string(i);
-    ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room" + id), ""));
-    sessions.push_back(NewSession("s" + id, "room" + id));
-  }
-  Start(2);
-  for (std::size_t end = 20; end <= 100; end += 20) {
-    for (const SessionId& session : sessions) {
-      Append(session, end - 20, end);
-      mapping_->Wake(site_, session);
+// Seven live sessions, whose records come in five portions.
+class ManyLiveSessionsTest : public MappingWorkersTest {
+ protected:
+  void MapThem() {
+    options_.checkpoint_interval_s = 0.5;
+    for (int i = 0; i < kSessions; ++i) {
+      const std::string id = std::to_string(i);
+      ASSERT_OK(stores_.maps.Create(Soon(), MakeMap(site_, "room" + id), ""));
+      sessions_.push_back(NewSession("s" + id, "room" + id));
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    Start(2);
+    for (std::size_t end = 20; end <= 100; end += 20) {
+      for (const SessionId& session : sessions_) {
+        Append(session, end - 20, end);
+        mapping_->Wake(site_, session);
+      }
+      for (const SessionId& session : sessions_) AwaitMapped(session, static_cast<std::int64_t>(end));
+    }
   }
-  for (const SessionId& session : sessions) AwaitMapped(session, 100);
+
+  static constexpr int kSessions = 7;
+  std::vector<SessionId> sessions_;
+};
+
+TEST_F(ManyLiveSessionsTest, AreLoadedOnceIfThereIsRoom) {
+  MapThem();
+  EXPECT_EQ(counting_.loads(), kSessions);
+}
+
+TEST_F(ManyLiveSessionsTest, AreStoredAndLoadedAgainIfThereIsNone) {
+  options_.parked_bytes = 1;
+  MapThem();
+  EXPECT_GT(counting_.loads(), 2 * kSessions);
+  for (const SessionId& session : sessions_) Finish(session);
+  mapping_->Wake();
+  for (const SessionId& session : sessions_) AwaitState(session, State::kMapped);
 }
 
 }  // namespace
