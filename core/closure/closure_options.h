@@ -86,10 +86,12 @@ struct DoorClosureOptions {
   double odometry_sigma = 0.02;      // m per m
   double odometry_yaw_sigma = 0.02;  // rad per m
 
+  // --- How a ride shows the heading of the level that it leads to.
+  double ride_yaw_sigma = 0.012;  // rad
+
   // --- A new map.
   double origin_sigma = 0.01;       // m: its frame starts at the door, so the door's pose is exact by definition
   double origin_yaw_sigma = 0.005;  // rad
-  double ride_yaw_sigma = 0.012;    // rad, added on another level: of how a ride shows its heading
   std::string map_name = "Map";     // its name is this and the least free number: "Map 3"
   std::string indoor_profile;       // the SLAM profile of a new map indoors; empty: the server's own
   std::string outdoor_profile;

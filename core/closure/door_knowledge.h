@@ -120,4 +120,8 @@ struct PlaceIndex {
 };
 ComparedPlace& PlaceAt(DoorKnowledge& knowledge, const PlaceIndex& index);
 
+// If the robot has come from another level, T_map_door and T_map_robot become less certain in yaw, by
+// options.ride_yaw_sigma: a ride turns what SLAM sees of the next level.
+void AddRide(DoorKnowledge& knowledge);
+
 }  // namespace enfilade::closure

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/closure/enter_map.h"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -53,9 +52,6 @@ DoorJudgement StartMapBehind(const DoorKnowledge& knowledge, const PoseWithCovar
   action.link_point.direction = action.map.id;
   action.link_point.anchors = {{knowledge.map->id, T_map_door.pose, T_map_door.covariance},
                                OriginAnchor(action.map.id, knowledge.options)};
-  if (action.map.level != knowledge.map->level) {
-    action.link_point.anchors.back().covariance(2, 2) += std::pow(knowledge.options.ride_yaw_sigma, 2);
-  }
   action.entered = {.map = action.map.id, .T_map_robot = T_door_robot};  // the door is the map's origin
   return {.action = std::move(action), .reason = std::move(reason)};
 }

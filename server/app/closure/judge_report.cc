@@ -29,6 +29,7 @@ absl::Status ReadScene(const DoorClosureStores& stores, const ReportToJudge& rep
   const SessionScene& scene = *judged.scene;
   knowledge.T_map_door = scene.DoorPose();
   knowledge.T_map_robot = scene.PoseAt(knowledge.report.time);
+  closure::AddRide(knowledge);
   if (knowledge.mapping_error || !knowledge.T_map_door || !knowledge.T_map_robot) {
     if (knowledge.report.kind == sensor::DoorReport::Kind::kPassage) {
       knowledge.by_odometry = scene.GuessByOdometry();

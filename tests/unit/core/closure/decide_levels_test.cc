@@ -27,15 +27,39 @@ TEST(DecideLevels, ALiftLeadsToTheEnteredLevel) {
   EXPECT_EQ(ActionOf<StartMap>(scenario.Run().judgement).map.level, 7);
 }
 
-TEST(DecideLevels, TheHeadingOfANewLevelIsNoSurerThanTheRideToIt) {
-  const auto yaw_variance = [](std::optional<int> level) {
-    DoorScenario scenario;
-    scenario.knowledge().report.entered_level = level;
-    return ActionOf<StartMap>(scenario.Run().judgement).link_point.anchors.back().covariance(2, 2);
-  };
-  const DoorClosureOptions options;
-  EXPECT_NEAR(yaw_variance(std::nullopt), std::pow(options.origin_yaw_sigma, 2), 1e-12);
-  EXPECT_NEAR(yaw_variance(5), std::pow(options.origin_yaw_sigma, 2) + std::pow(options.ride_yaw_sigma, 2), 1e-12);
+double YawVariance(const PoseWithCovariance& pose) { return pose.covariance(2, 2); }
+
+// By how much the ride makes the heading in the robot's map less certain, rad^2.
+double RideVariance(std::optional<int> entered_level, std::optional<TimeNs> level_time) {
+  DoorScenario scenario;
+  DoorKnowledge& knowledge = scenario.knowledge();
+  knowledge.report.entered_level = entered_level;
+  knowledge.report.level_time = level_time;
+  const double before = YawVariance(*knowledge.T_map_robot);
+  AddRide(knowledge);
+  EXPECT_NEAR(YawVariance(*knowledge.T_map_door), YawVariance(*knowledge.T_map_robot), 1e-12);
+  return YawVariance(*knowledge.T_map_robot) - before;
+}
+
+TEST(DecideLevels, ARideShowsTheHeadingLessSurely) {
+  const double ride = std::pow(DoorClosureOptions().ride_yaw_sigma, 2);
+  EXPECT_NEAR(RideVariance(std::nullopt, std::nullopt), 0.0, 1e-12);
+  EXPECT_NEAR(RideVariance(0, std::nullopt), 0.0, 1e-12) << "the level that the map is on";
+  EXPECT_NEAR(RideVariance(1, std::nullopt), ride, 1e-12);
+  EXPECT_NEAR(RideVariance(0, TimeNs{9'000'000'000}), ride, 1e-12) << "back to the cabin's own level";
+}
+
+TEST(DecideLevels, ALevelIsNoSurerThanTheRideToIt) {
+  DoorScenario scenario;
+  scenario.Add("lift", {{"attic", {5, 5, 0}}, {"here", {10, 0, 0}}});
+  scenario.knowledge().report.entered_level = 1;
+  AddRide(scenario.knowledge());
+  const double ride = std::pow(scenario.knowledge().options.ride_yaw_sigma, 2);
+  const auto known = ActionOf<RecogniseLinkPoint>(scenario.Run().judgement);
+  EXPECT_GT(YawVariance(*known.entered.T_map_robot), ride);
+  scenario.knowledge().report.entered_level = 7;
+  const auto begun = ActionOf<StartMap>(scenario.Run().judgement);
+  EXPECT_GT(begun.link_point.anchors.front().covariance(2, 2), ride);
 }
 
 }  // namespace
