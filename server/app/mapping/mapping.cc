@@ -179,7 +179,8 @@ absl::Status Mapping::MapForOneTurn(const storage::LeasedSession& leased, Turn& 
 absl::Status Mapping::MapUntilTurnEnds(const storage::LeasedSession& leased, SessionMapping& mapping, Turn& turn,
                                        bool was_parked) {
   const storage::SessionLease& lease = leased.lease;
-  // What comes during the turn is left to the next one: looking for it would cost more than mapping a scan.
+  // Its turn ends with what was stored when it began. Looking for more takes two calls of the database, and the next
+  // turn finds it anyway.
   const bool is_live = leased.session.state == storage::SessionState::kRecording;
   const auto end = std::chrono::steady_clock::now() + kTurn;
   while (!turn.lease_lost && !stop_.is_set() && std::chrono::steady_clock::now() < end) {

@@ -76,16 +76,16 @@ absl::StatusOr<std::vector<WaitingSession>> FindMappingWork(Pool& pool, const Ca
   });
 }
 
-void QueueLookAtWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence) {
+void QueueWorkLock(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence) {
   transaction.Queue(kLockWork, Params(lease.site, lease.session, read_sequence));
 }
 
 absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence,
-                               const Result& looked) {
-  bool to_be_mapped = false;  // as it stays if the session does not exist any more
+                               const Result& locked) {
+  bool to_be_mapped = false;  // if the session no longer exists
   std::int64_t mapped_sequence = 0;
-  if (looked.rows() > 0) {
-    Row row(looked, 0);
+  if (locked.rows() > 0) {
+    Row row(locked, 0);
     to_be_mapped = row.Bool();
     mapped_sequence = row.Int64();
     ENFILADE_RETURN_IF_ERROR(row.status());

@@ -30,12 +30,12 @@ struct WaitingSession {
 constexpr std::size_t kMappingCandidates = 8;
 // Those of all sites that nobody holds and that have waited longest for their turn: kMappingCandidates, or all.
 absl::StatusOr<std::vector<WaitingSession>> FindMappingWork(Pool& pool, const CallContext& context);
-// At the end of a turn under `lease`, whose row the transaction locks or has locked: queues the statement that locks
-// the session and tells whether it waits still (MappingStore::Release).
-void QueueLookAtWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence);
-// With the rows of that statement, removes the session's row of mapping_work or moves it to the end of the queue.
+// At the end of a turn under `lease`, whose row the transaction locks first: queues the statement that locks the
+// session and tells whether it is still to be mapped. See MappingStore::Release.
+void QueueWorkLock(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence);
+// Removes the session's row of mapping_work or moves it to the end of the queue. `locked`: that statement's rows.
 absl::Status ReturnMappingWork(Transaction& transaction, const SessionLease& lease, std::int64_t read_sequence,
-                               const Result& looked);
+                               const Result& locked);
 
 absl::StatusOr<MappingBacklog> ReadMappingBacklog(Pool& pool, const CallContext& context);
 

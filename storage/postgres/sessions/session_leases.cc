@@ -67,10 +67,13 @@ TakenLease ReadTakenLease(Row& row) {
 absl::StatusOr<std::optional<LeasedSession>> TakeLease(Pool& pool, const CallContext& context,
                                                        const WaitingSession& waiting, const std::string& owner,
                                                        std::chrono::milliseconds ttl) {
-  ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
-  transaction.Queue(kTakeSessionLease, Params(waiting.site, waiting.session, owner, std::int64_t{ttl.count()}));
-  transaction.Queue(kSelectLeasedSession, Params(waiting.site, waiting.session));
-  ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.FlushAndCommit());
+  std::vector<Result> results;
+  {  // the connection is free again before ReleaseLease takes one
+    ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
+    transaction.Queue(kTakeSessionLease, Params(waiting.site, waiting.session, owner, std::int64_t{ttl.count()}));
+    transaction.Queue(kSelectLeasedSession, Params(waiting.site, waiting.session));
+    ENFILADE_ASSIGN_OR_RETURN(results, transaction.FlushAndCommit());
+  }
   if (results[0].rows() == 0) return std::nullopt;
   const std::string name = NameOf(waiting.site, waiting.session);
   ENFILADE_ASSIGN_OR_RETURN(const TakenLease taken, ReadOne(results[0], ReadTakenLease, name));
@@ -112,7 +115,7 @@ absl::Status ReleaseLease(Pool& pool, const CallContext& context, const SessionL
                           std::int64_t read_sequence) {
   ENFILADE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(pool, context));
   transaction.Queue(kReleaseSessionLease, Params(lease.site, lease.session, lease.owner, lease.token));
-  QueueLookAtWork(transaction, lease, read_sequence);
+  QueueWorkLock(transaction, lease, read_sequence);
   ENFILADE_ASSIGN_OR_RETURN(const auto results, transaction.Flush());
   if (results[0].affected() == 0) return absl::OkStatus();
   ENFILADE_RETURN_IF_ERROR(ReturnMappingWork(transaction, lease, read_sequence, results[1]));

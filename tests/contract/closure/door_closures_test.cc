@@ -149,6 +149,25 @@ TEST_F(DoorClosuresTest, APassageAtWhichNothingWasMappedIsJoinedByOdometry) {
   EXPECT_EQ(Value("SELECT count(*) FROM link_points"), "1");
 }
 
+TEST_F(DoorClosuresTest, ADoorBehindARideIsNoSurerThanTheRide) {
+  std::vector<DrivenSession> drive = DriveInTwoRooms();
+  drive.resize(2);
+  bool rode = false;
+  for (sensor::Record& record : drive[0].log) {
+    auto* report = std::get_if<sensor::DoorReport>(&record.payload);
+    if (report == nullptr || report->kind != sensor::DoorReport::Kind::kPassage) continue;
+    report->entered_level = 1;
+    rode = true;
+  }
+  ASSERT_TRUE(rode);
+  MapAll(drive);
+  const std::string yaw_sigma =
+      "(SELECT sqrt(covariance[9]) FROM link_point_anchors WHERE map_id = 'hall'"
+      " AND link_point_id IN (SELECT link_point_id FROM link_points WHERE anchor_count = 2))";
+  EXPECT_EQ(Value("SELECT " + yaw_sigma + " > " + std::to_string(closure::DoorClosureOptions().ride_yaw_sigma)), "t")
+      << Value("SELECT " + yaw_sigma);
+}
+
 // Reports of one site that cannot be read, more than are looked at together, and older than those of another site.
 TEST_F(DoorClosuresTest, ASiteWhoseReportsCannotBeJudgedHoldsUpNoOther) {
   workers_.reset();
