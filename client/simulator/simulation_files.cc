@@ -9,6 +9,7 @@
 #include "client/simulator/campus/building_campus.h"
 #include "client/simulator/campus/campus_yaml.h"
 #include "client/simulator/campus/random_building.h"
+#include "client/simulator/campus/random_halls.h"
 #include "client/simulator/campus/random_suites.h"
 #include "client/simulator/campus/shipped_campuses.h"
 #include "client/sources/formats/json_lines_writer.h"
@@ -106,6 +107,7 @@ absl::StatusOr<std::uint64_t> SeedOfName(const std::string& name, std::string_vi
 absl::StatusOr<Campus> LoadCampus(const std::string& name) {
   constexpr std::string_view kRandom = "random:";
   constexpr std::string_view kSuites = "suites:";
+  constexpr std::string_view kHalls = "halls:";
   if (name.starts_with(kRandom)) {
     ENFILADE_ASSIGN_OR_RETURN(const std::uint64_t seed, SeedOfName(name, kRandom));
     return RandomBuilding(seed);
@@ -113,6 +115,10 @@ absl::StatusOr<Campus> LoadCampus(const std::string& name) {
   if (name.starts_with(kSuites)) {
     ENFILADE_ASSIGN_OR_RETURN(const std::uint64_t seed, SeedOfName(name, kSuites));
     return RandomSuites(seed);
+  }
+  if (name.starts_with(kHalls)) {
+    ENFILADE_ASSIGN_OR_RETURN(const std::uint64_t seed, SeedOfName(name, kHalls));
+    return RandomHalls(seed);
   }
   if (!fs::is_regular_file(name)) return ShippedCampus(name);
   ENFILADE_ASSIGN_OR_RETURN(const std::string text, io::ReadFile(name));

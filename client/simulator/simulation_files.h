@@ -24,8 +24,8 @@ struct DriveReport {
   GroundTruth truth;
 };
 
-// A shipped campus by its name, a random building by "random:SEED" or "suites:SEED", a campus file by its path, or a
-// building of Open-RMF by the path of its NAME.building.yaml. NOT_FOUND: it is none of these.
+// A shipped campus by its name, a random building by "random:SEED", "suites:SEED" or "halls:SEED", a campus file by its
+// path, or a building of Open-RMF by the path of its NAME.building.yaml. NOT_FOUND: it is none of these.
 absl::StatusOr<Campus> LoadCampus(const std::string& name);
 
 // Drives one robot and writes `folder`: log.jsonl (docs/logs.md) with images and clouds beside it, truth.jsonl

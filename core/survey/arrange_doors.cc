@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/segments.h"
 #include "core/graph/same_place.h"
 #include "core/survey/map_plan.h"
 
@@ -22,13 +23,6 @@ struct PassedDoor {
 };
 
 bool JoinSameRooms(int a, int b, int c, int d) { return (a == c && b == d) || (a == d && b == c); }
-
-double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d ab = b - a;
-  const double length = ab.squaredNorm();
-  const double t = length > 0.0 ? std::clamp((p - a).dot(ab) / length, 0.0, 1.0) : 0.0;
-  return (p - a - t * ab).norm();
-}
 
 PassedDoor DoorOf(const Crossing& crossing, const rooms::RoomPartition& partition, double reach) {
   const Eigen::Vector2d before = crossing.T_level_before.translation();

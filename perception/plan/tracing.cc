@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/segments.h"
 #include "perception/plan/opencv_thinning.h"
 #include "perception/plan/opencv_tracing.h"
 #include "perception/plan/skeleton_chains.h"
@@ -14,13 +15,6 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 constexpr double kTolerance = 1.5;  // px
-
-double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double length = along.squaredNorm();
-  const double share = length > 0 ? std::clamp((p - a).dot(along) / length, 0.0, 1.0) : 0.0;
-  return (a + share * along - p).norm();
-}
 
 // The points where the line through all points bends: indices, the first and the last among them.
 std::vector<int> BendsOf(const Points& points) {

@@ -4,15 +4,10 @@
 #include <utility>
 
 #include "client/simulator/campus/building_draft.h"
+#include "core/geometry/segments.h"
 
 namespace enfilade::simulator {
 namespace {
-
-double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d edge = b - a;
-  const double t = edge.squaredNorm() > 0.0 ? std::clamp((p - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0) : 0.0;
-  return (p - a - t * edge).norm();
-}
 
 class Furnisher {
  public:

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/geometry/segments.h"
+
 namespace enfilade::simulator {
 namespace {
 
@@ -15,9 +17,7 @@ constexpr double kDoorTouch = 0.3;  // m
 constexpr double kAside = 0.2;      // m: the other wall's end may be so far off the line
 
 double DistanceToBarrier(const Eigen::Vector2d& point, const Barrier& barrier) {
-  const Eigen::Vector2d along = barrier.second - barrier.first;
-  const double t = std::clamp(along.dot(point - barrier.first) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
-  return (point - barrier.first - t * along).norm();
+  return DistanceToSegment(point, barrier.first, barrier.second);
 }
 
 // The first place of `wall` ahead of `end`: where it begins near the line, or crosses it. m along the line.

@@ -37,7 +37,7 @@ struct MappedDriveOptions {
   std::filesystem::path cache = {};
 };
 
-// "random:SEED", "suites:SEED" or a shipped campus; the campus's first robot.
+// "random:SEED", "suites:SEED", "halls:SEED" or a shipped campus; the campus's first robot.
 absl::StatusOr<MappedDrive> MapDrive(const std::string& campus, const MappedDriveOptions& options);
 
 }  // namespace enfilade::bench

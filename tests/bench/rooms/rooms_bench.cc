@@ -279,7 +279,7 @@ int main(int argc, char** argv) {
   app.add_option("--buildings", options.buildings, "How many random buildings")->capture_default_str();
   app.add_option("--first-seed", options.first_seed, "Of the first building")->capture_default_str();
   app.add_option("--campus", options.campuses,
-                 "A shipped campus, random:SEED, suites:SEED, or a file (YAML, NAME.building.yaml)");
+                 "A shipped campus, random:SEED, suites:SEED, halls:SEED, or a file (YAML, NAME.building.yaml)");
   app.add_option("--laps", options.laps, "Of each drive, instead of the campus's");
   app.add_flag("--reports", options.reports, "With the passages that the robot's door detector reports");
   app.add_flag("--sessions", options.sessions,

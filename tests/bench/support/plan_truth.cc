@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/status_macros.h"
+#include "core/geometry/segments.h"
 #include "core/prior/plan/segment_grid.h"
 #include "io/file.h"
 #include "perception/plan/opencv_tracing.h"
@@ -17,11 +18,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr grid::Rgb kFoundInk = grid::kGreen, kFalseInk = grid::kRed, kMissedInk = grid::kBlue;
-
-double DistanceToSegment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const double share = std::clamp((p - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-12), 0.0, 1.0);
-  return (a + share * (b - a) - p).norm();
-}
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace enfilade::testing {
 enum class Start { kTogether, kDelayed, kAfterwards };
 
 struct CampusRun {
-  std::string campus = "figure1";   // a shipped one, random:SEED, suites:SEED, or a file
+  std::string campus = "figure1";   // a shipped one, random:SEED, suites:SEED, halls:SEED, or a file
   std::vector<std::string> robots;  // empty: the campus's first
   std::uint64_t seed = 1;           // of all noise
   int laps = 0;                     // rounds of each robot's route; 0: the campus's

@@ -37,7 +37,7 @@ std::vector<std::string> Expand(const std::string& campus) {
   const std::size_t dash = campus.rfind('-');
   const std::size_t seeds = campus.find(':') + 1;
   const std::string kind = campus.substr(0, seeds);
-  if ((kind != "random:" && kind != "suites:") || dash == std::string::npos) return {campus};
+  if ((kind != "random:" && kind != "suites:" && kind != "halls:") || dash == std::string::npos) return {campus};
   const auto number = [&](std::size_t begin, std::size_t end) {
     const std::string text = campus.substr(begin, end - begin);
     if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos) {
@@ -55,7 +55,7 @@ std::vector<std::string> Expand(const std::string& campus) {
 void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--campus", options.campuses,
                  "Campuses, comma-separated: figure1, lookalike, levels, random:SEED, random:FIRST-LAST, suites:SEED, "
-                 "suites:FIRST-LAST, a file (YAML), NAME.building.yaml of Open-RMF")
+                 "suites:FIRST-LAST, halls:SEED, halls:FIRST-LAST, a file (YAML), NAME.building.yaml of Open-RMF")
       ->delimiter(',');
   app.add_option("--seeds", options.seeds, "Seeds of noise, each a run of its own")
       ->check(CLI::PositiveNumber)

@@ -184,11 +184,12 @@ void AddSimulate(CLI::App& app, const Globals& globals) {
         return options->campus.empty() ? SimulateRooms(globals, *options) : SimulateCampus(globals, *options);
       });
   command->alias("sim");  // deprecated: its former name
-  command->add_option("CAMPUS", options->campus,
-                      fmt::format("A YAML file (docs/simulator.md), random:SEED, suites:SEED, NAME.building.yaml of "
-                                  "Open-RMF, or one of: {}. Without it: a short drive of one robot through three rooms "
-                                  "(270 degrees, 12 m), as one log file",
-                                  fmt::join(simulator::ShippedCampusNames(), ", ")));
+  command->add_option(
+      "CAMPUS", options->campus,
+      fmt::format("A YAML file (docs/simulator.md), random:SEED, suites:SEED, halls:SEED, NAME.building.yaml of "
+                  "Open-RMF, or one of: {}. Without it: a short drive of one robot through three rooms "
+                  "(270 degrees, 12 m), as one log file",
+                  fmt::join(simulator::ShippedCampusNames(), ", ")));
   command
       ->add_option("-o,--output", options->output,
                    "The folder for ROBOT/log.jsonl, ROBOT/truth.jsonl and plan.png; without CAMPUS, the log file")

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/simulator/campus/random_halls.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "client/simulator/route_driver.h"
+#include "client/simulator/world/world.h"
+#include "core/geometry/segments.h"
+#include "tests/support/status_assertions.h"
+
+namespace enfilade::simulator {
+namespace {
+
+constexpr std::uint64_t kHallSeeds = 30;
+
+class RandomHallsTest : public ::testing::TestWithParam<std::uint64_t> {
+ protected:
+  const absl::StatusOr<Campus> campus_ = RandomHalls(GetParam());
+};
+
+// m, from a wall of the hall to the nearest outline, wall or box that it does not stand at.
+double WayAround(const Campus& campus, const Wall& wall) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto compare = [&](const std::vector<Eigen::Vector2d>& points, bool closed) {
+    for (std::size_t i = closed ? 0 : 1; i < points.size(); ++i) {
+      const Eigen::Vector2d& from = points[i == 0 ? points.size() - 1 : i - 1];
+      for (std::size_t k = 1; k < wall.points.size(); ++k) {
+        const double distance = SegmentDistance(wall.points[k - 1], wall.points[k], from, points[i]);
+        if (distance > 0.06) nearest = std::min(nearest, distance);  // else it stands at it
+      }
+    }
+  };
+  for (const Area& area : campus.areas) {
+    if (area.id == "hall" || area.id.starts_with("kiosk")) compare(area.outline, true);
+  }
+  for (const Wall& other : campus.walls) {
+    if (&other != &wall) compare(other.points, false);
+  }
+  for (const Box& box : campus.boxes) {
+    if (campus.AreaAt("ground", box.outline[0])->id == "hall") compare(box.outline, true);
+  }
+  return nearest;
+}
+
+TEST_P(RandomHallsTest, AreValidAndTheSameForTheSameSeed) {
+  ASSERT_OK(campus_);
+  ASSERT_OK(Validate(*campus_));
+  ASSERT_OK_AND_ASSIGN(const Campus again, RandomHalls(GetParam()));
+  ASSERT_EQ(again.walls.size(), campus_->walls.size());
+  for (std::size_t i = 0; i < again.walls.size(); ++i) EXPECT_EQ(again.walls[i].points, campus_->walls[i].points);
+}
+
+TEST_P(RandomHallsTest, HaveDoorsBetweenTwoAreas) {
+  ASSERT_OK(campus_);
+  for (const Door& door : campus_->doors) {
+    const Eigen::Vector2d along = (door.b - door.a).normalized();
+    const Eigen::Vector2d aside = 0.3 * Eigen::Vector2d(-along.y(), along.x());
+    const Area* one = campus_->AreaAt("ground", door.middle() + aside);
+    const Area* other = campus_->AreaAt("ground", door.middle() - aside);
+    ASSERT_TRUE(one && other) << door.id;
+    EXPECT_NE(one, other) << door.id;
+  }
+}
+
+TEST_P(RandomHallsTest, LeaveAWayAroundEachWall) {
+  ASSERT_OK(campus_);
+  for (const Wall& wall : campus_->walls) EXPECT_GT(WayAround(*campus_, wall), 0.65);
+}
+
+TEST_P(RandomHallsTest, LetTheRobotIntoTheHallAndRoomsAndBack) {
+  ASSERT_OK(campus_);
+  const auto world = std::make_shared<const World>(*campus_);
+  RouteDriver driver(world, campus_->robots.at(0), {}, 0.05);
+  std::set<std::string> entered;
+  const Eigen::Vector2d start = driver.T_campus_robot().translation();
+  while (true) {
+    const auto step = driver.Next();
+    ASSERT_OK(step);
+    if (!*step) break;
+    const Area* here = campus_->AreaAt("ground", driver.T_campus_robot().translation());
+    if (here) entered.insert(here->id);
+  }
+  EXPECT_TRUE(entered.contains("hall"));
+  EXPECT_GE(2 * entered.size(), campus_->areas.size());
+  EXPECT_LT((driver.T_campus_robot().translation() - start).norm(), 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomHallsTest, ::testing::Range<std::uint64_t>(1, kHallSeeds + 1));
+
+TEST(RandomHalls, HaveWhatTheyPromiseAmongManySeeds) {
+  std::map<std::string, int> count;
+  for (std::uint64_t seed = 1; seed <= kHallSeeds; ++seed) {
+    ASSERT_OK_AND_ASSIGN(const Campus campus, RandomHalls(seed));
+    for (const Area& area : campus.areas) count[area.id.substr(0, area.id.find('-'))] += 1;
+    for (const Wall& wall : campus.walls) {
+      const std::vector<Eigen::Vector2d>& hall = campus.FindArea("hall")->outline;
+      bool at_side = false;
+      for (std::size_t i = 0; i < hall.size(); ++i) {
+        at_side |= DistanceToSegment(wall.points.front(), hall[i], hall[(i + 1) % hall.size()]) < 0.06;
+      }
+      const std::string kind = at_side ? "spurs" : wall.points.size() == 4 ? "booths" : "screens";
+      count[kind + (wall.points.size() == 3 ? " with a corner" : "")] += 1;
+    }
+    for (const Box& box : campus.boxes) count[box.top == 3.0 ? "pillars" : "furniture"] += 1;
+  }
+  for (const char* what : {"hall", "room", "kiosk", "screens", "screens with a corner", "spurs", "spurs with a corner",
+                           "booths", "pillars", "furniture"}) {
+    EXPECT_GT(count[what], 2) << what;
+  }
+}
+
+// Figures that were measured in these buildings stay comparable.
+TEST(RandomHalls, StayTheSameFromVersionToVersion) {
+  ASSERT_OK_AND_ASSIGN(const Campus campus, RandomHalls(2001));
+  ASSERT_GT(campus.walls.size(), 1U);
+  EXPECT_NEAR(campus.doors.back().a.y(), 4.4471578029383085, 1e-6);
+  EXPECT_NEAR(campus.walls.back().points[0].x(), 3.9577516042627803, 1e-6);
+}
+
+}  // namespace
+}  // namespace enfilade::simulator
