@@ -10,7 +10,6 @@
 namespace enfilade::rooms {
 namespace {
 
-constexpr std::size_t kDepth = 5;
 constexpr float kAlways = std::numeric_limits<float>::infinity();
 
 // A complete binary tree. The nodes below split i are 2 i + 1, if the value is at most the threshold, and 2 i + 2; the
@@ -19,15 +18,18 @@ struct Split {
   std::uint8_t value;  // index into the values
   float threshold;
 };
+template <std::size_t kDepth>
 struct DoorTree {
   std::array<Split, (1U << kDepth) - 1U> splits;
   std::array<float, 1U << kDepth> leaves;  // added to the logarithm of the odds of a door
 };
 
 #include "core/rooms/door_trees.inc"
+#include "core/rooms/driven_trees.inc"
 #include "core/rooms/surrounded_trees.inc"
 
-double LeafOf(const DoorTree& tree, std::span<const double> values) {
+template <std::size_t kDepth>
+double LeafOf(const DoorTree<kDepth>& tree, std::span<const double> values) {
   std::size_t node = 0;
   while (node < tree.splits.size()) {
     const Split& split = tree.splits[node];
@@ -36,9 +38,11 @@ double LeafOf(const DoorTree& tree, std::span<const double> values) {
   return static_cast<double>(tree.leaves[node - tree.splits.size()]);
 }
 
-double OpennessBy(double prior_odds, std::span<const DoorTree> trees, std::span<const double> values) {
+template <std::size_t kDepth, std::size_t kTrees>
+double OpennessBy(double prior_odds, const std::array<DoorTree<kDepth>, kTrees>& trees,
+                  std::span<const double> values) {
   double odds_of_door = prior_odds;
-  for (const DoorTree& tree : trees) odds_of_door += LeafOf(tree, values);
+  for (const DoorTree<kDepth>& tree : trees) odds_of_door += LeafOf(tree, values);
   return -odds_of_door;
 }
 
@@ -46,6 +50,9 @@ double OpennessBy(double prior_odds, std::span<const DoorTree> trees, std::span<
 
 double OpennessOf(const DoorEvidence& evidence) { return OpennessBy(kPriorOdds, kDoorTrees, ValuesOf(evidence)); }
 
-double OpennessOf(const SurroundedValues& values) { return OpennessBy(kSurroundedPriorOdds, kSurroundedTrees, values); }
+double OpennessOf(const SurroundedValues& values, bool driven) {
+  return driven ? OpennessBy(kDrivenPriorOdds, kDrivenTrees, values)
+                : OpennessBy(kSurroundedPriorOdds, kSurroundedTrees, values);
+}
 
 }  // namespace enfilade::rooms
