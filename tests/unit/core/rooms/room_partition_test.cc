@@ -319,6 +319,37 @@ TEST(RoomPartition, ARoomStaysAsItIsWhenTheMapGrows) {
   EXPECT_EQ(changed, 0);
 }
 
+// A free-standing wall leaves 1.25 m at one end and 2 m at the other. The robot has reported the two doors, and passed
+// both ends of the wall without a report.
+TEST(RoomPartition, AFreeStandingWallDividesNoHallThatARobotDroveIn) {
+  const DrawnRooms drawn({
+      "####################################################", "#                       #                          #",
+      "#                       #                          #", "#                       #                          #",
+      "#                       #                          #", "#         a             #             g            #",
+      "#                       #                          #", "#                       #                          #",
+      "#                       #                          #", "#                       #                          #",
+      "######### b  #######################  h ############", "#                                                  #",
+      "#                                                  #", "#                                                  #",
+      "#                                                  #", "#   c                                         i    #",
+      "#                                                  #", "#                                                  #",
+      "#                                                  #", "#  d  #####################################    j   #",
+      "#                                                  #", "#                                                  #",
+      "#                                                  #", "#                                                  #",
+      "#   e                                         k    #", "#                                                  #",
+      "#                                                  #", "#                                                  #",
+      "#                                                  #", "####################################################",
+  });
+  const std::vector<Eigen::Vector2d> way = drawn.Path("abcdekjihg");
+  const Eigen::Vector2d half_door(0.5, 0.0);
+  const std::vector<PassageHint> reported{{drawn['b'] - half_door, drawn['b'] + half_door},
+                                          {drawn['h'] - half_door, drawn['h'] + half_door}};
+  const RoomPartition partition = PartitionRooms(drawn.grid, {}, {.passages = reported, .trajectory = way});
+  EXPECT_EQ(partition.rooms.size(), 3U);
+  EXPECT_EQ(partition.RoomAt(drawn['c']), partition.RoomAt(drawn['e']));
+  EXPECT_NE(partition.RoomAt(drawn['c']), partition.RoomAt(drawn['a']));
+  EXPECT_NE(partition.RoomAt(drawn['c']), partition.RoomAt(drawn['g']));
+}
+
 // Ground truth of seven floor plans (MANIFEST.md of the recordings).
 class PlanTest : public ::testing::TestWithParam<const char*> {};
 
