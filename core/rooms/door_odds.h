@@ -11,9 +11,9 @@ namespace enfilade::rooms {
 // fit_door_trees fits them to candidates of which the truth is known, and writes door_trees.inc.
 double OpennessOf(const DoorEvidence& evidence);
 
-// The same once it is known what surrounds the line. `driven`: the map has robots' trajectories or reports
-// (RoomEvidence). Where robots drove, what they report and pass in silence tells doors from other openings that look
-// alike; so the trees are others (driven_trees.inc) than those of a map alone (surrounded_trees.inc).
+// The same once it is known what surrounds the line. `driven`: robots drove in the map and reported passages
+// (RoomEvidence). What they report and what they pass in silence tells doors from other openings that look alike; so
+// the trees are others (driven_trees.inc) than those of a map alone (surrounded_trees.inc).
 double OpennessOf(const SurroundedValues& values, bool driven);
 
 }  // namespace enfilade::rooms

@@ -66,7 +66,7 @@ class Partitioner {
   // Judges the lines again by what is around them.
   void LookAround() {
     const std::vector<Surroundings> sides = SurroundingsOf(ground_, cut_, lines_);
-    const bool driven = !evidence_.trajectory.empty() || !evidence_.passages.empty();
+    const bool driven = !evidence_.passages.empty();
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       lines_[i].openness = OpennessOf(ValuesOf(lines_[i], sides[i]), driven);
     }
