@@ -43,8 +43,8 @@ class PlottedBuilding {
   void AddArea(const std::string& id, AreaKind kind, std::vector<Eigen::Vector2d> outline);
   // Half of the doors stand at an end of their wall.
   void AddDoor(const SolidWall& wall);
-  // With its lower corner at u, v of the plot. No box is added where a door is near or the way past another box or a
-  // free-standing wall would be narrow.
+  // With its lower corner at u, v of the plot. No box is added where a door is near or the way past another box would
+  // be narrow.
   void AddBox(const Plot& plot, double u, double v, double width, double depth, double top);
   // A few pieces at the walls: beds, desks, wardrobes.
   void Furnish(const Plot& plot);

@@ -37,18 +37,21 @@ class Halls {
   absl::StatusOr<Campus> Build() && {
     width_ = noise_.Uniform(11.0, 20.0);
     depth_ = noise_.Uniform(7.0, 13.0);
-    const Polyline outline = Outline();
+    DrawOutline();
     const int first = noise_.Below(4);
     for (int side = 0; side < 4; ++side) {
       if (side == first || noise_.Chance(0.4)) AddRooms(side);
     }
-    for (std::size_t i = 0; i < outline.size(); ++i) bounds_.push_back({outline[i], outline[(i + 1) % outline.size()]});
+    for (std::size_t i = 0; i < outline_.size(); ++i) {
+      bounds_.push_back({outline_[i], outline_[(i + 1) % outline_.size()]});
+    }
     const int parts = static_cast<int>(width_ * depth_ / noise_.Uniform(20.0, 50.0)) + 1;
     for (int i = 0; i < parts; ++i) {
-      for (int tries = 0; tries < kTries && !AddPart(); ++tries) {
+      for (int tries = 0; tries < kTries; ++tries) {
+        if (AddPart()) break;
       }
     }
-    building_.AddArea("hall", AreaKind::kRoom, outline);
+    building_.AddArea("hall", AreaKind::kRoom, outline_);
     AddDesks();
     for (const Plot& plot : to_furnish_) building_.Furnish(plot);
     ENFILADE_RETURN_IF_ERROR(PlanTour(campus_));
@@ -61,12 +64,11 @@ class Halls {
     Eigen::Vector2d b;
   };
 
-  // The hall's corners; some are cut off. Also sets sides_, in the same order: u along the side, v out of the hall.
-  Polyline Outline() {
+  // The hall's corners, of which some are cut off, and its sides in the same order.
+  void DrawOutline() {
     const Polyline corners = {{0.0, 0.0}, {width_, 0.0}, {width_, depth_}, {0.0, depth_}};
     double cuts[4] = {};
     for (double& cut : cuts) cut = noise_.Chance(0.3) ? noise_.Uniform(1.5, depth_ / 3.0) : 0.0;
-    Polyline outline;
     for (int i = 0; i < 4; ++i) {
       const auto side = static_cast<std::size_t>(i);
       const Eigen::Vector2d& corner = corners[side];
@@ -74,11 +76,10 @@ class Halls {
       const Eigen::Vector2d along = (next - corner).normalized();
       const Eigen::Vector2d begin = corner + cuts[side] * along;
       const Eigen::Vector2d end = next - cuts[(side + 1) % 4] * along;
-      outline.push_back(begin);
-      if (cuts[(side + 1) % 4] > 0.0) outline.push_back(end);
+      outline_.push_back(begin);
+      if (cuts[(side + 1) % 4] > 0.0) outline_.push_back(end);
       sides_.push_back({begin, along, {along.y(), -along.x()}, (end - begin).norm(), 0.0});
     }
-    return outline;
   }
 
   // A row of rooms outside the hall, each with a door to it.
@@ -242,7 +243,7 @@ class Halls {
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       const Eigen::Vector2d& a = points[i];
       const Eigen::Vector2d& b = points[i + 1];
-      if (!Inside(b) || (!at && !Inside(a))) return false;
+      if (!Contains(outline_, b) || (!at && !Contains(outline_, a))) return false;
       for (const Door& door : campus_.doors) {
         if (SegmentDistance(a, b, door.a, door.b) < kWay) return false;
       }
@@ -260,15 +261,6 @@ class Halls {
 
   static bool IsOn(const Plot& side, const Segment& bound) {
     return std::abs((bound.a - side.origin).dot(side.v)) < 1e-6 && std::abs((bound.b - side.origin).dot(side.v)) < 1e-6;
-  }
-
-  bool Inside(const Eigen::Vector2d& point) const {
-    Polyline outline;
-    for (const Plot& side : sides_) {
-      outline.push_back(side.origin);
-      outline.push_back(side.At(side.width, 0.0));
-    }
-    return Contains(outline, point);
   }
 
   // Rows of desks in what is left of the hall.
@@ -295,7 +287,8 @@ class Halls {
   Campus& campus_;
   double width_ = 0.0;  // m, of the hall
   double depth_ = 0.0;
-  std::vector<Plot> sides_;      // of the hall, v outwards
+  Polyline outline_;
+  std::vector<Plot> sides_;      // of the hall: u along the side, v out of the hall
   std::vector<Segment> bounds_;  // walls, pillars and the outline of the hall
   std::vector<Plot> to_furnish_;
 };

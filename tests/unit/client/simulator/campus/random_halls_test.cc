@@ -5,15 +5,12 @@
 
 #include <limits>
 #include <map>
-#include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "client/simulator/route_driver.h"
-#include "client/simulator/world/world.h"
 #include "core/geometry/segments.h"
 #include "tests/support/status_assertions.h"
+#include "tests/unit/client/simulator/campus/generated_campus.h"
 
 namespace enfilade::simulator {
 namespace {
@@ -59,14 +56,7 @@ TEST_P(RandomHallsTest, AreValidAndTheSameForTheSameSeed) {
 
 TEST_P(RandomHallsTest, HaveDoorsBetweenTwoAreas) {
   ASSERT_OK(campus_);
-  for (const Door& door : campus_->doors) {
-    const Eigen::Vector2d along = (door.b - door.a).normalized();
-    const Eigen::Vector2d aside = 0.3 * Eigen::Vector2d(-along.y(), along.x());
-    const Area* one = campus_->AreaAt("ground", door.middle() + aside);
-    const Area* other = campus_->AreaAt("ground", door.middle() - aside);
-    ASSERT_TRUE(one && other) << door.id;
-    EXPECT_NE(one, other) << door.id;
-  }
+  ExpectDoorsBetweenTwoAreas(*campus_);
 }
 
 TEST_P(RandomHallsTest, LeaveAWayAroundEachWall) {
@@ -76,20 +66,7 @@ TEST_P(RandomHallsTest, LeaveAWayAroundEachWall) {
 
 TEST_P(RandomHallsTest, LetTheRobotIntoTheHallAndRoomsAndBack) {
   ASSERT_OK(campus_);
-  const auto world = std::make_shared<const World>(*campus_);
-  RouteDriver driver(world, campus_->robots.at(0), {}, 0.05);
-  std::set<std::string> entered;
-  const Eigen::Vector2d start = driver.T_campus_robot().translation();
-  while (true) {
-    const auto step = driver.Next();
-    ASSERT_OK(step);
-    if (!*step) break;
-    const Area* here = campus_->AreaAt("ground", driver.T_campus_robot().translation());
-    if (here) entered.insert(here->id);
-  }
-  EXPECT_TRUE(entered.contains("hall"));
-  EXPECT_GE(2 * entered.size(), campus_->areas.size());
-  EXPECT_LT((driver.T_campus_robot().translation() - start).norm(), 0.5);
+  ExpectATourThroughMostAreas(*campus_, "hall");
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomHallsTest, ::testing::Range<std::uint64_t>(1, kHallSeeds + 1));
