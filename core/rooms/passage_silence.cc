@@ -56,15 +56,6 @@ double DetectionRate(const std::vector<DoorLine>& lines, const std::vector<int>&
   return (reported + 1.0) / (passed + 2.0);  // Laplace's rule of succession
 }
 
-// m. Detectors look for doors up to some width, and say nothing of wider ones. A line may be a little wider than what
-// they measure: it ends on the walls' cells.
-double WidestReported(std::span<const PassageHint> passages) {
-  constexpr double kMargin = 0.2;
-  double widest = 0.0;
-  for (const PassageHint& passage : passages) widest = std::max(widest, (passage.b - passage.a).norm());
-  return widest + kMargin;
-}
-
 }  // namespace
 
 void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, std::vector<DoorLine>& lines) {

@@ -66,8 +66,11 @@ class Partitioner {
   // Judges the lines again by what is around them.
   void LookAround() {
     const std::vector<Surroundings> sides = SurroundingsOf(ground_, cut_, lines_);
-    const bool driven = !evidence_.passages.empty();
+    constexpr double kMargin = 0.5;  // m: detectors may know wider doors than those that they reported so far
+    const bool any_reported = !evidence_.passages.empty();
+    const double widest = WidestReported(evidence_.passages) + kMargin;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
+      const bool driven = any_reported && lines_[i].evidence.width <= widest;
       lines_[i].openness = OpennessOf(ValuesOf(lines_[i], sides[i]), driven);
     }
   }
@@ -243,6 +246,13 @@ int RoomPartition::RoomAt(const Eigen::Vector2d& p_map) const {
   const Eigen::Vector2d p = Inverse(geometry.T_map_grid) * p_map / geometry.resolution;
   if (!(p.x() >= 0.0 && p.y() >= 0.0 && p.x() < geometry.width && p.y() < geometry.height)) return 0;
   return labels[geometry.index(static_cast<int>(p.x()), static_cast<int>(p.y()))];
+}
+
+double WidestReported(std::span<const PassageHint> passages) {
+  constexpr double kMargin = 0.2;
+  double widest = 0.0;
+  for (const PassageHint& passage : passages) widest = std::max(widest, (passage.b - passage.a).norm() + kMargin);
+  return widest;
 }
 
 PassageHint PassageThrough(const Pose2& T_map_door, double width) {
