@@ -12,7 +12,7 @@ namespace enfilade::rooms {
 double OpennessOf(const DoorEvidence& evidence);
 
 // The same once it is known what surrounds the line. `driven`: robots drove in the map and reported passages
-// (RoomEvidence), and the line is hardly wider than what they report (WidestReported). What they report and what they
+// (RoomEvidence), and the line is not much wider than what they report (WidestReported). What they report and what they
 // pass in silence tells doors from other openings that look alike; so the trees are others (driven_trees.inc) than
 // those of a map alone (surrounded_trees.inc).
 double OpennessOf(const SurroundedValues& values, bool driven);

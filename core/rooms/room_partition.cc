@@ -66,9 +66,9 @@ class Partitioner {
   // Judges the lines again by what is around them.
   void LookAround() {
     const std::vector<Surroundings> sides = SurroundingsOf(ground_, cut_, lines_);
-    constexpr double kMargin = 0.5;  // m: detectors may know wider doors than those that they reported so far
+    constexpr double kNotYetReported = 0.5;  // m: detectors may know wider doors than they have reported so far
     const bool any_reported = !evidence_.passages.empty();
-    const double widest = WidestReported(evidence_.passages) + kMargin;
+    const double widest = WidestReported(evidence_.passages) + kNotYetReported;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       const bool driven = any_reported && lines_[i].evidence.width <= widest;
       lines_[i].openness = OpennessOf(ValuesOf(lines_[i], sides[i]), driven);

@@ -33,12 +33,6 @@ const DrawnRooms& TwoDoors() {
   return drawn;
 }
 
-TEST(WidestReported, IsALittleWiderThanTheWidestPassage) {
-  const std::vector<PassageHint> passages = {{{0.0, 0.0}, {0.9, 0.0}}, {{3.0, 1.0}, {3.0, 2.4}}};
-  EXPECT_NEAR(WidestReported(passages), 1.6, 1e-9);
-  EXPECT_EQ(WidestReported({}), 0.0);
-}
-
 PassageHint ReportAt(const DrawnRooms& drawn, char door) {
   return {drawn[door] + Eigen::Vector2d(0.0, 0.5), drawn[door] - Eigen::Vector2d(0.0, 0.5)};
 }
