@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/base/time.h"
@@ -38,6 +39,8 @@ struct DoorEvent {
   Pose2 T_odom_door;
   TimeNs door_time = 0;  // when the robot was there (kPassage: when it crossed, as near as is known)
   double width = 0.0;    // m between the posts; 0: unknown
+  // kLatched and kCandidate: the middle between the posts, looking along the way through; unset: somewhere ahead.
+  std::optional<Pose2> T_odom_gap = {};
   CriterionVerdict ahead;
   CriterionVerdict behind;
   CriterionVerdict environment;

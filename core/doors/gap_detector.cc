@@ -34,6 +34,12 @@ bool Crosses(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Narrows& 
   return t > 0.0 && t < 1.0;
 }
 
+// The posts are on the left and on the right of one who goes through.
+Pose2 WayThrough(const Narrows& door) {
+  const Eigen::Vector2d across = door.left - door.right;
+  return {door.middle().x(), door.middle().y(), std::atan2(-across.x(), across.y())};
+}
+
 std::string SeenAhead(int scans, const Narrows& narrows) {
   return fmt::format("{} scans saw {:.2f} m between posts ahead", scans, narrows.width());
 }
@@ -234,6 +240,7 @@ DoorEvent GapDetector::CandidateOf(const DoorTrack& track, DoorEvent::Kind kind)
   event.T_odom_door = track.T_odom_latch;
   event.door_time = track.latch_time;
   event.width = track.narrows.width();
+  event.T_odom_gap = WayThrough(track.narrows);
   event.ahead = {State::kMet, SeenAhead(track.hits, track.narrows)};
   return event;
 }

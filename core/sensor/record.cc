@@ -52,6 +52,9 @@ struct PayloadCheck {
       return InvalidArgument("door_report.door_time is {} s after its time", ToSeconds(report.door_time - report.time));
     }
     if (!IsFinite(report.T_odom_door)) return InvalidArgument("door_report.pose_odom_door is not finite");
+    if (report.T_odom_gap && !IsFinite(*report.T_odom_gap)) {
+      return InvalidArgument("door_report.pose_odom_gap is not finite");
+    }
     if (!(report.width >= 0.0 && report.width < 1000.0)) {
       return InvalidArgument("door_report.width_m is {}: expected 0 to 1000", report.width);
     }

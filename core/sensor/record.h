@@ -78,6 +78,8 @@ struct DoorReport {
   std::string reason;                         // human-readable
   // kPassage only: when the robot came to entered_level, if that was before the door, in the cabin of a lift.
   std::optional<TimeNs> level_time = {};
+  // kCandidate only: the middle of the gap that was taken for a door, facing through it. Unset: somewhere ahead.
+  std::optional<Pose2> T_odom_gap = {};
 
   friend bool operator==(const DoorReport&, const DoorReport&) = default;
 };

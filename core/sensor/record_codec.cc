@@ -9,8 +9,9 @@ namespace enfilade::sensor {
 namespace {
 
 constexpr std::uint8_t kRecordVersion = 1;
-// A door report that ends with level_time. Others keep the version that older programs know.
+// Door reports that end with level_time, and with T_odom_gap. Others keep the version that older programs know.
 constexpr std::uint8_t kLevelTimeVersion = 2;
+constexpr std::uint8_t kGapVersion = 3;
 
 struct PayloadWriter {
   BinaryWriter& writer;
@@ -58,7 +59,13 @@ struct PayloadWriter {
     writer.Put(report.entered_level.value_or(0));
     writer.Put(report.by_hand);
     writer.PutString(report.reason);
-    if (report.level_time) writer.Put(*report.level_time);
+    if (report.T_odom_gap) {
+      writer.Put(report.level_time.has_value());
+      writer.Put(report.level_time.value_or(0));
+      PutPose(writer, *report.T_odom_gap);
+    } else if (report.level_time) {
+      writer.Put(*report.level_time);
+    }
   }
 };
 
@@ -120,17 +127,24 @@ DoorReport ReadDoorReport(BinaryReader& reader, std::uint8_t version) {
   if (has_level) report.entered_level = level;
   report.by_hand = reader.Get<bool>();
   report.reason = std::string(reader.GetString());
-  if (version == kLevelTimeVersion) report.level_time = reader.Get<TimeNs>();
+  const bool has_level_time = version == kGapVersion ? reader.Get<bool>() : version == kLevelTimeVersion;
+  if (version != kRecordVersion) {
+    const auto level_time = reader.Get<TimeNs>();
+    if (has_level_time) report.level_time = level_time;
+  }
+  if (version == kGapVersion) report.T_odom_gap = GetPose(reader);
   return report;
 }
 
 std::uint8_t VersionOf(const Record& record) {
   const auto* report = std::get_if<DoorReport>(&record.payload);
-  return report != nullptr && report->level_time ? kLevelTimeVersion : kRecordVersion;
+  if (report == nullptr) return kRecordVersion;
+  return report->T_odom_gap ? kGapVersion : report->level_time ? kLevelTimeVersion : kRecordVersion;
 }
 
 bool IsKnown(std::uint8_t version, RecordKind kind) {
-  return version == kRecordVersion || (version == kLevelTimeVersion && kind == RecordKind::kDoorReport);
+  if (version == kRecordVersion) return true;
+  return kind == RecordKind::kDoorReport && (version == kLevelTimeVersion || version == kGapVersion);
 }
 
 }  // namespace

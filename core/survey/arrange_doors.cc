@@ -9,6 +9,7 @@
 
 #include "core/geometry/segments.h"
 #include "core/graph/same_place.h"
+#include "core/survey/doors_ahead.h"
 #include "core/survey/map_plan.h"
 
 namespace enfilade::survey {
@@ -246,45 +247,12 @@ class DoorArranger {
     Arrange(link_point, existing);
   }
 
-  // How far aside a place is from the way of a robot that saw a door there; unset if it was not ahead.
-  std::optional<double> AsideOf(const Eigen::Vector2d& place, const Pose2& T_level_sighting) const {
-    constexpr double kAngle = 0.5;  // m aside for each metre ahead
-    const Eigen::Vector2d d = Inverse(T_level_sighting) * place;
-    const double aside = std::abs(d.y());
-    if (d.x() <= -1.0 || d.x() >= options_.candidate_ahead) return std::nullopt;
-    if (aside >= options_.candidate_across + kAngle * std::max(d.x(), 0.0)) return std::nullopt;
-    return aside;
-  }
-
-  // Of the doors ahead of the sighting, one that robots went through is the nearest to its way.
-  bool IsKnownDoorAhead(const Pose2& T_level_sighting) const {
-    double passed = std::numeric_limits<double>::infinity();
-    for (const Pose2& door : places_) {
-      passed = std::min(passed, AsideOf(door.translation(), T_level_sighting).value_or(passed));
-    }
-    if (!std::isfinite(passed)) return false;
-    return std::none_of(partition_.doors.begin(), partition_.doors.end(), [&](const rooms::Door& door) {
-      const Eigen::Vector2d middle = (door.a + door.b) / 2.0;
-      const bool known = std::any_of(places_.begin(), places_.end(), [&](const Pose2& place) {
-        return (place.translation() - middle).norm() < options_.same_door;
-      });
-      return !known && AsideOf(middle, T_level_sighting).value_or(passed) < passed;
-    });
-  }
-
-  // Nothing but the room's own ground lies ahead of the sighting: what looked like a door is none.
-  bool IsOpenAhead(const Pose2& T_level_sighting) const {
-    constexpr double kObstacle = 0.5;  // m
-    const int room = partition_.RoomAt(T_level_sighting.translation());
-    if (room == 0) return false;
-    const double step = partition_.geometry.resolution;
-    double elsewhere = 0.0;  // m, without a break
-    for (double ahead = step; ahead <= options_.candidate_ahead; ahead += step) {
-      const bool here = partition_.RoomAt(T_level_sighting * Eigen::Vector2d(ahead, 0.0)) == room;
-      elsewhere = here ? 0.0 : elsewhere + step;
-      if (elsewhere > kObstacle) return false;
-    }
-    return true;
+  // Unset: its map was not surveyed.
+  std::optional<Sighting> SightingOf(const graph::LinkPoint& candidate) const {
+    const std::optional<Pose2> place = PlaceOfAnchor(candidate.anchors.front());
+    if (!place) return std::nullopt;
+    const auto gap = survey_.gaps.find(candidate.id);
+    return Sighting{*place, gap == survey_.gaps.end() ? std::nullopt : std::optional(gap->second)};
   }
 
   // The map of the room that the robot saw the door from.
@@ -315,8 +283,8 @@ class DoorArranger {
     const bool busy = std::any_of(link_point.anchors.begin(), link_point.anchors.end(),
                                   [&](const graph::Anchor& anchor) { return IsBusy(anchor.map); });
     if (link_point.is_candidate() && !link_point.pinned) {
-      const std::optional<Pose2> place = PlaceOfAnchor(link_point.anchors.front());
-      if (place && (IsKnownDoorAhead(*place) || IsOpenAhead(*place))) return Remove(link_point);
+      const std::optional<Sighting> sighting = SightingOf(link_point);
+      if (sighting && !DoorsAhead(partition_, options_, places_).MayBeUnknown(*sighting)) return Remove(link_point);
     } else if (door && !busy && IsSurveyed(link_point) && !LeadsToCabin(link_point) && !IsPinned(link_point) &&
                !IsSeenThrough(link_point) && link_point.use != graph::LinkPointUse::kSuspended) {
       return Remove(link_point);

@@ -22,7 +22,8 @@ namespace enfilade::survey {
 //   room that the robot was in.
 // * Link points are the doors between the rooms that robots went through. Existing ones keep their ids. Those at no
 //   such door disappear, unless they lead to a busy map or another level or are no door. Candidates move to the map
-//   of the room that they were seen from, and disappear if the door ahead is known or only the room's own ground is.
+//   of the room that they were seen from, and disappear if robots went through that door, or both of its sides
+//   are that room.
 //
 // Empty if the maps are the rooms already. The same survey gives the same answer but for the ids that `new_id` makes.
 rearrange::Rearrangement ArrangeMaps(const LevelSurvey& survey, const rooms::RoomPartition& partition,

@@ -85,6 +85,12 @@ struct AwaitedMap {
   Pose2 T_level_robot = {};  // where the robot was when it was to enter
 };
 
+// What a robot took for a door, seen from the anchor of the candidate that was made for it.
+struct SeenGap {
+  Pose2 T_place_gap = {};  // its middle, facing through it
+  double width = 0.0;      // m
+};
+
 struct LevelSurvey {
   int level = 0;
   std::vector<Drive> drives = {};
@@ -94,7 +100,8 @@ struct LevelSurvey {
   std::vector<graph::LinkPoint> link_points = {};  // of the whole site: a changed one may equal another level's
   // Of link_points: doors that robots saw through from both sides (core/closure/plans/match_door.h).
   std::set<LinkPointId> seen_through = {};
-  std::set<MapId> cabins = {};  // of lifts: maps of other levels in which robots came to another one
+  std::map<LinkPointId, SeenGap> gaps = {};  // of link_points: of those candidates whose gap is known
+  std::set<MapId> cabins = {};               // of lifts: maps of other levels in which robots came to another one
   // T_level_cabin: by the level's first robot, if it came in the cabin. When it came out, it was in both maps.
   std::map<MapId, Pose2> cabin_places = {};
   std::vector<RideBegun> rides_begun = {};

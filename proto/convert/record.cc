@@ -51,6 +51,7 @@ struct PayloadToProto {
     door.set_by_hand(report.by_hand);
     door.set_reason(report.reason);
     if (report.level_time) *door.mutable_level_time() = ToTimestamp(*report.level_time);
+    if (report.T_odom_gap) *door.mutable_pose_odom_gap() = enfilade::convert::ToProto(*report.T_odom_gap);
   }
 };
 
@@ -135,6 +136,7 @@ absl::StatusOr<sensor::DoorReport> DoorReportFromProto(const v1::DoorReport& in)
   if (in.has_level_time()) {
     ENFILADE_ASSIGN_OR_RETURN(report.level_time, FromTimestamp(in.level_time()));
   }
+  if (in.has_pose_odom_gap()) report.T_odom_gap = FromProto(in.pose_odom_gap());
   return report;
 }
 

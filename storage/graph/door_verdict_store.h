@@ -44,6 +44,12 @@ struct StoredDoorReport {
   std::optional<Pose2> T_odom_robot;  // at report.time, as the verdict has it
 };
 
+// What a candidate was made for.
+struct CandidateReport {
+  LinkPointId candidate;
+  sensor::DoorReport report;
+};
+
 // A map that starts at a door. Its display name is `name_prefix` and a free number, the one before which is taken.
 struct NewMap {
   MapId id;
@@ -85,6 +91,9 @@ class DoorVerdictStore {
   // In the order of the log. DATA_LOSS if a report does not decode.
   absl::StatusOr<std::vector<StoredDoorReport>> ReadReports(const CallContext& context, const SiteId& site,
                                                             const SessionId& session) const;
+  // Of all link points that were made as candidates, as far as retention has kept the reports. DATA_LOSS as above.
+  absl::StatusOr<std::vector<CandidateReport>> ListCandidateReports(const CallContext& context,
+                                                                    const SiteId& site) const;
   // Sessions that wait for the passage at the end of `previous`.
   absl::StatusOr<std::vector<SessionId>> ListWaiting(const CallContext& context, const SiteId& site,
                                                      const SessionId& previous) const;

@@ -23,6 +23,7 @@ std::vector<sensor::RecordPayload> Payloads() {
   door.entered_environment = Environment::kIndoor;
   door.entered_level = 1;
   door.level_time = kTime;
+  door.T_odom_gap = Pose2{1.0, 2.0, 3.0};
   door.reason = "a door";
   return {scan,
           sensor::Odometry{kTime, {1.0, 2.0, 3.0}},

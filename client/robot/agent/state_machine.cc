@@ -19,6 +19,7 @@ sensor::DoorReport ReportOf(const doors::DoorEvent& event, sensor::DoorReport::K
   report.door_time = event.door_time;
   report.T_odom_door = event.T_odom_door;
   report.width = event.width;
+  report.T_odom_gap = event.T_odom_gap;
   report.reason = event.reason;
   return report;
 }

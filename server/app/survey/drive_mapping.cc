@@ -375,10 +375,12 @@ absl::StatusOr<SiteSurvey> MapSite(const SurveyStores& stores, const SurveyMappi
   for (const storage::PlanJoin& join : joins) {
     if (!join.undone) seen_through.insert(join.link_point);
   }
+  ENFILADE_ASSIGN_OR_RETURN(const auto gaps, reader.FindGaps());
   for (const int level : levels) {
     LevelMapper mapper(reader, options, graph, run, drives);
     ENFILADE_ASSIGN_OR_RETURN(MappedLevel mapped, mapper.Run(level, sessions, maps));
     mapped.survey.seen_through = seen_through;
+    mapped.survey.gaps = gaps;
     if (!mapped.survey.drives.empty()) survey.levels.push_back(std::move(mapped));
   }
   run.cache.DropUnused();

@@ -91,6 +91,16 @@ absl::StatusOr<std::optional<closure::DoorVerdict>> DriveReader::FindVerdict(con
   return stores_.verdicts.FindPassage(SurveyContext(), site_, session);
 }
 
+absl::StatusOr<std::map<LinkPointId, survey::SeenGap>> DriveReader::FindGaps() const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto candidates, stores_.verdicts.ListCandidateReports(SurveyContext(), site_));
+  std::map<LinkPointId, survey::SeenGap> gaps;
+  for (const auto& [candidate, report] : candidates) {
+    if (!report.T_odom_gap) continue;
+    gaps[candidate] = {Between(report.T_odom_door, *report.T_odom_gap), report.width};
+  }
+  return gaps;
+}
+
 absl::StatusOr<std::vector<storage::StoredDoorReport>> DriveReader::ReadReports(const SessionId& session) const {
   return stores_.verdicts.ReadReports(SurveyContext(), site_, session);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -71,6 +72,9 @@ class DriveReader {
 
   // What the server made of that report. Unset as long as it is not judged.
   absl::StatusOr<std::optional<closure::DoorVerdict>> FindVerdict(const SessionId& session) const;
+
+  // survey::LevelSurvey::gaps of the site's candidates.
+  absl::StatusOr<std::map<LinkPointId, survey::SeenGap>> FindGaps() const;
 
   const SessionReader& sessions() const { return sessions_; }
 

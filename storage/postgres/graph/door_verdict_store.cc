@@ -47,6 +47,13 @@ constexpr Statement kReadReports{"reading door reports",
                                  " FROM enfilade.session_records r"
                                  " LEFT JOIN enfilade.door_verdicts v USING (site_id, session_id, sequence)"
                                  " WHERE r.site_id = $1 AND r.session_id = $2 AND r.kind = 6 ORDER BY r.sequence"};
+constexpr Statement kListCandidateReports{
+    "reading candidates' reports",
+    "SELECT v.link_point_id, v.session_id, r.sequence, r.payload FROM enfilade.door_verdicts v"
+    " JOIN enfilade.link_points l USING (site_id, link_point_id)"
+    " JOIN enfilade.session_records r USING (site_id, session_id, sequence)"
+    " WHERE v.site_id = $1 AND v.decision = 1 AND r.kind = 6 ORDER BY v.link_point_id"};
+static_assert(static_cast<int>(closure::DoorDecision::kCandidateMade) == 1);
 constexpr Statement kListWaiting{"looking for sessions that wait",
                                  "SELECT session_id FROM enfilade.sessions WHERE site_id = $1"
                                  " AND previous_session_id = $2 AND map_id IS NULL AND delete_time IS NULL"
@@ -79,6 +86,13 @@ constexpr Statement kListComparisons{
     "SELECT sequence, link_point_id, map_id, distance, image_matches::bigint, images_agree, rmse, inlier_share,"
     " clouds_agree, chi2, accepted, reason FROM enfilade.door_comparisons WHERE site_id = $1 AND session_id = $2"
     " AND sequence BETWEEN $3 AND $4 ORDER BY sequence, ordinal"};
+
+absl::StatusOr<sensor::DoorReport> DecodeReport(std::int64_t sequence, std::string_view payload, const SiteId& site,
+                                                const SessionId& session) {
+  auto record = sensor::DecodePayload(sequence, sensor::RecordKind::kDoorReport, payload);
+  if (!record.ok()) return WithContext(record.status(), NameOf(site, session));
+  return std::get<sensor::DoorReport>(std::move(record->payload));
+}
 
 absl::Status ChangeLinkPoints(Transaction& transaction, const SiteId& site, const DoorChange& change) {
   for (const LinkPointId& candidate : change.consumed) {
@@ -133,10 +147,27 @@ absl::StatusOr<std::vector<StoredDoorReport>> DoorVerdictStore::ReadReports(cons
     stored.judged = row.Bool();
     stored.T_odom_robot = postgres::ReadOptionalPose(row);
     ENFILADE_RETURN_IF_ERROR(row.status());
-    auto record = sensor::DecodePayload(stored.sequence, sensor::RecordKind::kDoorReport, payload);
-    if (!record.ok()) return WithContext(record.status(), NameOf(site, session));
-    stored.report = std::get<sensor::DoorReport>(std::move(record->payload));
+    ENFILADE_ASSIGN_OR_RETURN(stored.report, DecodeReport(stored.sequence, payload, site, session));
     reports.push_back(std::move(stored));
+  }
+  return reports;
+}
+
+absl::StatusOr<std::vector<CandidateReport>> DoorVerdictStore::ListCandidateReports(const CallContext& context,
+                                                                                    const SiteId& site) const {
+  ENFILADE_ASSIGN_OR_RETURN(const auto result,
+                            storage::postgres::ExecuteAlone(pool_, context, kListCandidateReports, Params(site)));
+  std::vector<CandidateReport> reports;
+  for (int i = 0; i < result.rows(); ++i) {
+    Row row(result, i);
+    CandidateReport one;
+    one.candidate = LinkPointId(std::string(row.Text()));
+    const SessionId session{std::string(row.Text())};
+    const std::int64_t sequence = row.Int64();
+    const std::string_view payload = row.Bytes();
+    ENFILADE_RETURN_IF_ERROR(row.status());
+    ENFILADE_ASSIGN_OR_RETURN(one.report, DecodeReport(sequence, payload, site, session));
+    reports.push_back(std::move(one));
   }
   return reports;
 }

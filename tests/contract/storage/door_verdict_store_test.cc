@@ -205,6 +205,27 @@ TEST_F(DoorVerdictStoreTest, ReportsWhichPassagesLedIntoAMap) {
   EXPECT_THAT(elsewhere, IsEmpty());
 }
 
+TEST_F(DoorVerdictStoreTest, CandidatesAreListedWithWhatTheyWereMadeFor) {
+  DriveThroughADoor();
+  MarkMapped();
+  EXPECT_THAT(*verdicts_.ListCandidateReports(Soon(), site_), IsEmpty());
+  storage::DoorChange change;
+  change.verdict.session = first_;
+  change.verdict.sequence = 2;
+  change.verdict.decision = closure::DoorDecision::kCandidateMade;
+  change.verdict.link_point = LinkPointId("seen");
+  change.verdict.graph_version = Version();
+  change.new_link_point = MakeLinkPoint(site_, "seen", {MakeAnchor("hall", 4, 5)});
+  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
+  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), Through()));
+  ASSERT_OK_AND_ASSIGN(const auto candidates, verdicts_.ListCandidateReports(Soon(), site_));
+  ASSERT_THAT(candidates, SizeIs(1)) << "not the passage's";
+  EXPECT_EQ(candidates[0].candidate, LinkPointId("seen"));
+  EXPECT_EQ(sensor::RecordPayload(candidates[0].report), Report(2, sensor::DoorReport::Kind::kCandidate).payload);
+  ASSERT_OK(link_points_.Delete(Soon(), site_, LinkPointId("seen"), 0));
+  EXPECT_THAT(*verdicts_.ListCandidateReports(Soon(), site_), IsEmpty());
+}
+
 TEST_F(DoorVerdictStoreTest, JudgedTwiceItChangesNothing) {
   DriveThroughADoor();
   MarkMapped();

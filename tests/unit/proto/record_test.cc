@@ -82,6 +82,7 @@ TEST(ConvertRecord, RefusesBadDoorReportsNamingTheField) {
   expect_refused([](v1::DoorReport& r) { r.set_place(static_cast<v1::DoorReport::Place>(9)); }, "door_report.place");
   expect_refused([](v1::DoorReport& r) { r.clear_pose_odom_door(); }, "pose_odom_door is not set");
   expect_refused([](v1::DoorReport& r) { r.mutable_pose_odom_door()->set_yaw(NAN); }, "pose_odom_door is not finite");
+  expect_refused([](v1::DoorReport& r) { r.mutable_pose_odom_gap()->set_x(NAN); }, "pose_odom_gap is not finite");
   expect_refused([](v1::DoorReport& r) { r.mutable_door_time()->set_nanos(10); }, "door_time");
   expect_refused([](v1::DoorReport& r) { r.mutable_level_time()->set_nanos(10); }, "level_time");
   expect_refused([](v1::DoorReport& r) { r.set_width_m(-1.0); }, "width_m");

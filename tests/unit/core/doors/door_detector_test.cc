@@ -122,6 +122,11 @@ robots: [{id: r, route: [[1.5, 2.5], [4.6, 2.5], {wait: 1}, {turn_to_deg: 180}, 
     EXPECT_EQ(candidates[0].T_odom_door, latched[0].T_odom_robot) << "the robot's pose when it was latched";
     EXPECT_EQ(candidates[0].door_time, latched[0].time);
     EXPECT_LT(std::abs(candidates[0].T_odom_door.yaw), 0.2) << "looking at the door";
+    if (options.method != DoorMethod::kGap) continue;
+    ASSERT_TRUE(candidates[0].T_odom_gap) << preset;
+    EXPECT_NEAR(candidates[0].T_odom_gap->x, 6.0 - 1.5, 0.15);  // the odometry began at the first waypoint
+    EXPECT_NEAR(candidates[0].T_odom_gap->y, 0.0, 0.15);
+    EXPECT_NEAR(candidates[0].T_odom_gap->yaw, 0.0, 0.2) << "through the door";
   }
 }
 

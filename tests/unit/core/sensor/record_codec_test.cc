@@ -24,6 +24,10 @@ std::vector<Record> OneOfEachKind() {
   scan.ranges = {1.07F, -1.0F, std::numeric_limits<float>::infinity(), 81.83F};
   DoorReport out_of_lift;
   out_of_lift.level_time = 3;
+  DoorReport ahead;
+  ahead.T_odom_gap = Pose2{2.0, 0.1, -0.2};
+  DoorReport of_all = out_of_lift;
+  of_all.T_odom_gap = ahead.T_odom_gap;
   return {{1, scan},
           {2, Odometry{5, {1.0 / 3.0, -0.0, M_PI}}},
           {3, Image{7, Camera::kRear, ImageEncoding::kJpeg, {std::string(32, '\xff'), 12}}},
@@ -40,7 +44,9 @@ std::vector<Record> OneOfEachKind() {
                          true,
                          "by hand"}},
           {7, DoorReport()},
-          {8, out_of_lift}};
+          {8, out_of_lift},
+          {9, ahead},
+          {10, of_all}};
 }
 
 TEST(RecordCodec, RoundTripsEveryKindExactly) {

@@ -100,6 +100,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadRecord{{1, ReportWith([](DoorReport& r) { r.level_time = kNow + 3 * kNsPerSecond; })}, "3 s after its time"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.level_time = -1; })}, "between 1970 and 2200"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.T_odom_door.yaw = NAN; })}, "pose_odom_door"},
+        BadRecord{{1, ReportWith([](DoorReport& r) {
+                     r.T_odom_gap = Pose2{0.0, NAN, 0.0};
+                   })},
+                  "pose_odom_gap"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.width = -0.1; })}, "width_m is -0.1"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.width = 1000.0; })}, "width_m is 1000"},
         BadRecord{{1, ReportWith([](DoorReport& r) { r.width = NAN; })}, "width_m is nan"},

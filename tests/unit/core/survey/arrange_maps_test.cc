@@ -308,6 +308,8 @@ TEST(ArrangeMaps, ACandidateBeforeOpenGroundDisappears) {
   const rearrange::Rearrangement change = Arrange(survey);
   EXPECT_THAT(change.removed_link_points, ::testing::Contains(along.id));
   EXPECT_THAT(change.removed_link_points, ::testing::Not(::testing::Contains(across.id)));
+  survey.gaps[across.id] = {{-0.2, 0.0, 0.0}, 0.9};  // in the corridor, not in the wall
+  EXPECT_THAT(Arrange(survey).removed_link_points, ::testing::Contains(across.id));
 }
 
 TEST(ArrangeMaps, ACandidateThatWasSeenObliquelyDisappearsAtItsDoor) {

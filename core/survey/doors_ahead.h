@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2.h"
+#include "core/rooms/room_partition.h"
+#include "core/survey/level_survey.h"
+#include "core/survey/survey_options.h"
+
+namespace enfilade::survey {
+
+// A robot took something ahead of it for a door.
+struct Sighting {
+  Pose2 T_level_robot = {};         // then
+  std::optional<SeenGap> gap = {};  // from T_level_robot; unset: somewhere ahead
+};
+
+// Tells whether what a robot took for a door can still be one that nobody knows, by the rooms of the level. Keeps
+// references.
+class DoorsAhead {
+ public:
+  // `passed`: T_level_door of the doors that robots went through.
+  DoorsAhead(const rooms::RoomPartition& partition, const SurveyOptions& options, const std::vector<Pose2>& passed)
+      : partition_(partition), options_(options), passed_(passed) {}
+
+  bool MayBeUnknown(const Sighting& sighting) const;
+
+ private:
+  bool IsPassed(const rooms::Door& door) const;
+  bool IsPassedDoor(const Pose2& T_level_gap) const;
+  bool IsInsideRoom(const Pose2& T_level_gap, double width) const;
+  std::optional<Eigen::Vector2d> GroundBeside(const Pose2& T_level_gap, double way) const;
+  std::optional<double> AsideOf(const Eigen::Vector2d& place, const Pose2& T_level_robot) const;
+  bool IsPassedDoorAhead(const Pose2& T_level_robot) const;
+  bool IsOpenAhead(const Pose2& T_level_robot) const;
+
+  const rooms::RoomPartition& partition_;
+  const SurveyOptions& options_;
+  const std::vector<Pose2>& passed_;
+};
+
+}  // namespace enfilade::survey
