@@ -167,7 +167,8 @@ class Tour:
         records, payloads = [], [p for step in range(1, 13) for p in ({"odometry": odometry(step)},
                                                                       {"laser_scan": scan(step)})]
         payloads.append({"door_report": {"time": {"seconds": START_S + 13}, "kind": 1, "width_m": 0.9,
-                                         "door_time": {"seconds": START_S + 13}, "pose_odom_door": {"x": 1.2}}})
+                                         "door_time": {"seconds": START_S + 13}, "pose_odom_door": {"x": 1.2},
+                                         "pose_odom_gap": {"x": 2.2}}})
         for sequence, payload in enumerate(payloads, 5):
             records.append({"sequence": sequence, **payload})
         report = {"map": f"{self.site}/maps/{into}", "pose_map_robot": WORLD, "time": {"seconds": START_S}}

@@ -69,6 +69,7 @@ nlohmann::json ToJson(const doors::DoorEvent& event) {
                          {"environment", ToJson(event.environment)},
                          {"reason", event.reason}};
   if (event.width > 0.0) json["width_m"] = event.width;
+  if (event.T_odom_gap) json["pose_odom_gap"] = ToJson(*event.T_odom_gap);
   return json;
 }
 
