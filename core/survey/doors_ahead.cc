@@ -49,9 +49,8 @@ bool DoorsAhead::IsPassedDoor(const Pose2& T_level_gap) const {
   });
 }
 
-// Both sides are one room: behind the gap is a nook, or ground that the room's other side joins nearby. What robots
-// have seen of another room through its door belongs to the room before it as long as it is little, but there is no
-// such way.
+// Both sides are one room. What robots have seen of another room through its door belongs to the room before it, too,
+// as long as it is little. But without the gap no way joins it to that room, and it is larger than a nook.
 bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width) const {
   const auto before = GroundBeside(T_level_gap, -1.0);
   const auto behind = GroundBeside(T_level_gap, 1.0);
@@ -80,7 +79,8 @@ bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width) const {
       if (is_open(next) && reached.insert(next).second) open.push_back(next);
     }
   }
-  return static_cast<double>(reached.size()) * cell * cell < rooms::RoomOptions().min_room;
+  const double area = static_cast<double>(reached.size()) * cell * cell;
+  return area < rooms::RoomOptions().min_room || area >= rooms::RoomOptions().small_room;
 }
 
 // The nearest ground of a room before (`way` -1) or behind (1) the gap. Unset: there is none.

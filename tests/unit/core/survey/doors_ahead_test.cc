@@ -29,9 +29,9 @@ rooms::RoomPartition Furnished() {
       {{{8.0, 3.75}, {9.0, 3.75}, {1, 2}}});
 }
 
-// A robot at (x, 0.5), and the gap before it.
-Sighting SeenAt(double x, double ahead, double width) {
-  return {{x, 0.5, M_PI / 2.0}, SeenGap{{ahead, 0.0, 0.0}, width}};
+// A robot saw a gap at (x, y), 2 m north of it.
+Sighting SeenAt(double x, double y, double width) {
+  return {{x, y - 2.0, M_PI / 2.0}, SeenGap{{2.0, 0.0, 0.0}, width}};
 }
 
 bool MayBeUnknown(const rooms::RoomPartition& rooms, const Sighting& sighting, const std::vector<Pose2>& passed = {}) {
@@ -39,17 +39,17 @@ bool MayBeUnknown(const rooms::RoomPartition& rooms, const Sighting& sighting, c
 }
 
 TEST(DoorsAhead, AGapBetweenFurnitureIsNoDoor) {
-  EXPECT_FALSE(MayBeUnknown(Furnished(), SeenAt(4.5, 2.0, 1.0)));
+  EXPECT_FALSE(MayBeUnknown(Furnished(), SeenAt(4.5, 2.5, 1.0)));
   // Without its place the gap cannot be told from a closed door in the wall behind it.
-  Sighting somewhere = SeenAt(4.5, 2.0, 1.0);
+  Sighting somewhere = SeenAt(4.5, 2.5, 1.0);
   somewhere.gap.reset();
   EXPECT_TRUE(MayBeUnknown(Furnished(), somewhere));
 }
 
 TEST(DoorsAhead, AGapToAnotherRoomMayBeADoor) {
-  EXPECT_TRUE(MayBeUnknown(Furnished(), SeenAt(8.5, 3.25, 1.0)));
+  EXPECT_TRUE(MayBeUnknown(Furnished(), SeenAt(8.5, 3.75, 1.0)));
   const std::vector<Pose2> passed = {{8.5, 3.75, M_PI / 2.0}};
-  EXPECT_FALSE(MayBeUnknown(Furnished(), SeenAt(8.5, 3.25, 1.0), passed)) << "robots have gone through";
+  EXPECT_FALSE(MayBeUnknown(Furnished(), SeenAt(8.5, 3.75, 1.0), passed)) << "robots have gone through";
 }
 
 // What robots have seen of a room through its door is, as long as it is little, ground of the room before it.
@@ -69,7 +69,7 @@ TEST(DoorsAhead, AGapWithoutAWayRoundMayBeADoor) {
           "11111111111111111111",  // 0.0
       },
       {});
-  EXPECT_TRUE(MayBeUnknown(rooms, SeenAt(4.75, 3.25, 0.5)));
+  EXPECT_TRUE(MayBeUnknown(rooms, SeenAt(4.75, 3.75, 0.5)));
 }
 
 TEST(DoorsAhead, ANookIsNoRoom) {
@@ -85,11 +85,29 @@ TEST(DoorsAhead, ANookIsNoRoom) {
           "11111111111111111111",  // 0.0
       },
       {});
+  EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(4.75, 3.25, 0.5)));
+}
+
+// Of so much ground it is known that no door parts it from the room.
+TEST(DoorsAhead, ABayIsOfItsRoom) {
+  const rooms::RoomPartition rooms = DrawRooms(
+      {
+          ".......11111........",  // y 4.0
+          ".......11111........",  // 3.5
+          ".......11111........",  // 3.0: a bay of 3.75 m^2, its opening at x 4.5 to 5
+          ".........1..........",  // 2.5: the wall
+          "11111111111111111111",  // 2.0
+          "11111111111111111111",  // 1.5
+          "11111111111111111111",  // 1.0
+          "11111111111111111111",  // 0.5
+          "11111111111111111111",  // 0.0
+      },
+      {});
   EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(4.75, 2.75, 0.5)));
 }
 
 TEST(DoorsAhead, AGapWithNothingKnownBehindItMayBeADoor) {
-  EXPECT_TRUE(MayBeUnknown(DrawRooms({"....", "1111", "1111", "1111"}, {}), SeenAt(1.0, 1.25, 1.0)));
+  EXPECT_TRUE(MayBeUnknown(DrawRooms({"....", "1111", "1111", "1111"}, {}), SeenAt(1.0, 1.75, 1.0)));
 }
 
 // Of two doors beside each other one is known.
@@ -98,8 +116,8 @@ TEST(DoorsAhead, ADoorBesideOneThatRobotsWentThroughMayBeUnknown) {
       DrawRooms({"222.333", "222.333", "222.333", ".......", "1111111", "1111111"},
                 {{{0.6, 1.25}, {1.4, 1.25}, {1, 2}}, {{1.9, 1.25}, {2.7, 1.25}, {1, 3}}});
   const std::vector<Pose2> passed = {{1.0, 1.25, M_PI / 2.0}};
-  EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(1.2, 0.75, 0.8), passed));
-  EXPECT_TRUE(MayBeUnknown(rooms, SeenAt(1.9, 0.75, 0.8), passed));
+  EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(1.2, 1.25, 0.8), passed));
+  EXPECT_TRUE(MayBeUnknown(rooms, SeenAt(1.9, 1.25, 0.8), passed));
 }
 
 }  // namespace
