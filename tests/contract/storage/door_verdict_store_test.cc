@@ -208,6 +208,7 @@ TEST_F(DoorVerdictStoreTest, ReportsWhichPassagesLedIntoAMap) {
 TEST_F(DoorVerdictStoreTest, CandidatesAreListedWithWhatTheyWereMadeFor) {
   DriveThroughADoor();
   MarkMapped();
+  const storage::SiteLease lease = Lease();
   EXPECT_THAT(*verdicts_.ListCandidateReports(Soon(), site_), IsEmpty());
   storage::DoorChange change;
   change.verdict.session = first_;
@@ -216,8 +217,8 @@ TEST_F(DoorVerdictStoreTest, CandidatesAreListedWithWhatTheyWereMadeFor) {
   change.verdict.link_point = LinkPointId("seen");
   change.verdict.graph_version = Version();
   change.new_link_point = MakeLinkPoint(site_, "seen", {MakeAnchor("hall", 4, 5)});
-  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), change));
-  ASSERT_OK(verdicts_.Commit(Soon(), Lease(), Through()));
+  ASSERT_OK(verdicts_.Commit(Soon(), lease, change));
+  ASSERT_OK(verdicts_.Commit(Soon(), lease, Through()));
   ASSERT_OK_AND_ASSIGN(const auto candidates, verdicts_.ListCandidateReports(Soon(), site_));
   ASSERT_THAT(candidates, SizeIs(1)) << "not the passage's";
   EXPECT_EQ(candidates[0].candidate, LinkPointId("seen"));
