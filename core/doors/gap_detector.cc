@@ -34,10 +34,11 @@ bool Crosses(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Narrows& 
   return t > 0.0 && t < 1.0;
 }
 
-// The posts are on the left and on the right of one who goes through.
-Pose2 WayThrough(const Narrows& door) {
-  const Eigen::Vector2d across = door.left - door.right;
-  return {door.middle().x(), door.middle().y(), std::atan2(-across.x(), across.y())};
+// The middle between the posts, looking through the door as one does who goes along `way`.
+Pose2 LookingThrough(const Narrows& door, const Eigen::Vector2d& way) {
+  Eigen::Vector2d through((door.left - door.right).y(), -(door.left - door.right).x());
+  if (through.dot(way) < 0.0) through = -through;
+  return {door.middle().x(), door.middle().y(), std::atan2(through.y(), through.x())};
 }
 
 std::string SeenAhead(int scans, const Narrows& narrows) {
@@ -210,9 +211,7 @@ void GapDetector::JudgeCrossing(const Crossing& crossing, std::vector<DoorEvent>
   event.door = track != nullptr ? track->door : 0;
   event.door_time = path_.ViewAt(crossing.at).time;
   const Eigen::Vector2d way = path_.PositionAt(crossing.at + kBeside) - path_.PositionAt(crossing.at - kBeside);
-  Eigen::Vector2d through((door.left - door.right).y(), -(door.left - door.right).x());
-  if (through.dot(way) < 0.0) through = -through;
-  event.T_odom_door = {door.middle().x(), door.middle().y(), std::atan2(through.y(), through.x())};
+  event.T_odom_door = LookingThrough(door, way);
   event.width = door.width();
   event.ahead = std::move(evidence.ahead);
   event.behind = std::move(evidence.behind);
@@ -240,7 +239,7 @@ DoorEvent GapDetector::CandidateOf(const DoorTrack& track, DoorEvent::Kind kind)
   event.T_odom_door = track.T_odom_latch;
   event.door_time = track.latch_time;
   event.width = track.narrows.width();
-  event.T_odom_gap = WayThrough(track.narrows);
+  event.T_odom_gap = LookingThrough(track.narrows, track.narrows.middle() - track.T_odom_latch.translation());
   event.ahead = {State::kMet, SeenAhead(track.hits, track.narrows)};
   return event;
 }

@@ -14,12 +14,12 @@
 namespace enfilade::survey {
 namespace {
 
-// m. The ground beside a gap is looked for so far from its middle.
+// How far from the middle of a gap the ground beside it is looked for, m.
 constexpr double kDepth = 0.3;
 constexpr double kBeside = 1.0;
-constexpr double kPost = 0.2;     // of the posts, that close the gap
-constexpr double kSealed = 0.75;  // cells: steps from cell to cell do not cross so wide a line
-constexpr double kDetour = 3.0;   // a way round is within this of the gap
+constexpr double kPost = 0.2;     // m: the line that closes the gap ends this far inside the posts
+constexpr double kSealed = 0.75;  // cells, half the width of that line: steps from cell to cell do not cross it
+constexpr double kDetour = 3.0;   // m from the gap: no farther away does a way round count
 
 }  // namespace
 
@@ -49,8 +49,9 @@ bool DoorsAhead::IsPassedDoor(const Pose2& T_level_gap) const {
   });
 }
 
-// Both sides are one room. What robots have seen of another room through its door belongs to the room before it, too,
-// as long as it is little. But without the gap no way joins it to that room, and it is larger than a nook.
+// Both sides are one room, and what lies behind the gap is not just a glimpse of another one. A glimpse counts as
+// ground of the room before the gap, too, but only the gap joins the two. Less than min_room is a nook; from small_room
+// on, the partition has judged that there is no door.
 bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width) const {
   const auto before = GroundBeside(T_level_gap, -1.0);
   const auto behind = GroundBeside(T_level_gap, 1.0);

@@ -14,7 +14,7 @@ namespace enfilade::survey {
 
 // A robot took something ahead of it for a door.
 struct Sighting {
-  Pose2 T_level_robot = {};         // then
+  Pose2 T_level_robot = {};         // when it saw it
   std::optional<SeenGap> gap = {};  // from T_level_robot; unset: somewhere ahead
 };
 

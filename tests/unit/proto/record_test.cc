@@ -42,7 +42,8 @@ TEST(ConvertRecord, RoundTripsEveryKindExactly) {
                                              -1,
                                              true,
                                              "by hand",
-                                             3}},
+                                             3,
+                                             Pose2{2.0, -1.5, 0.25}}},
         sensor::Record{7, sensor::DoorReport()}}) {
     v1::Record received;
     ASSERT_TRUE(received.ParseFromString(ToProto(record).SerializeAsString()));

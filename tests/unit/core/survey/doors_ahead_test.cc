@@ -52,58 +52,37 @@ TEST(DoorsAhead, AGapToAnotherRoomMayBeADoor) {
   EXPECT_FALSE(MayBeUnknown(Furnished(), SeenAt(8.5, 3.75, 1.0), passed)) << "robots have gone through";
 }
 
+// A room of 10 x 3 m, and what lies north of it: rows of 0.5 m, the first is the top.
+rooms::RoomPartition RoomBefore(std::vector<std::string> rows) {
+  rows.insert(rows.end(), 6, std::string(20, '1'));
+  return DrawRooms(rows, {});
+}
+
 // What robots have seen of a room through its door is, as long as it is little, ground of the room before it.
 TEST(DoorsAhead, AGapWithoutAWayRoundMayBeADoor) {
-  const rooms::RoomPartition rooms = DrawRooms(
-      {
-          "........111.........",  // y 5.0
-          "........111.........",  // 4.5
-          ".........1..........",  // 4.0
-          ".........1..........",  // 3.5: the wall, with a gap at x 4.5 to 5
-          "11111111111111111111",  // 3.0
-          "11111111111111111111",  // 2.5
-          "11111111111111111111",  // 2.0
-          "11111111111111111111",  // 1.5
-          "11111111111111111111",  // 1.0
-          "11111111111111111111",  // 0.5
-          "11111111111111111111",  // 0.0
-      },
-      {});
-  EXPECT_TRUE(MayBeUnknown(rooms, SeenAt(4.75, 3.75, 0.5)));
+  const rooms::RoomPartition rooms = RoomBefore({
+      "........111.........", "........111.........", ".........1..........",
+      ".........1..........",  // y 3.0: the wall, with a gap at x 4.5 to 5
+  });
+  EXPECT_TRUE(MayBeUnknown(rooms, SeenAt(4.75, 3.25, 0.5)));
 }
 
 TEST(DoorsAhead, ANookIsNoRoom) {
-  const rooms::RoomPartition rooms = DrawRooms(
-      {
-          ".........1..........",  // y 3.5
-          ".........1..........",  // 3.0: a recess of 0.5 m^2, its opening at x 4.5 to 5
-          "11111111111111111111",  // 2.5
-          "11111111111111111111",  // 2.0
-          "11111111111111111111",  // 1.5
-          "11111111111111111111",  // 1.0
-          "11111111111111111111",  // 0.5
-          "11111111111111111111",  // 0.0
-      },
-      {});
+  const rooms::RoomPartition rooms = RoomBefore({
+      ".........1..........",
+      ".........1..........",  // y 3.0: a recess of 0.5 m^2, its opening at x 4.5 to 5
+  });
   EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(4.75, 3.25, 0.5)));
 }
 
 // Of so much ground it is known that no door parts it from the room.
 TEST(DoorsAhead, ABayIsOfItsRoom) {
-  const rooms::RoomPartition rooms = DrawRooms(
-      {
-          ".......11111........",  // y 4.0
-          ".......11111........",  // 3.5
-          ".......11111........",  // 3.0: a bay of 3.75 m^2, its opening at x 4.5 to 5
-          ".........1..........",  // 2.5: the wall
-          "11111111111111111111",  // 2.0
-          "11111111111111111111",  // 1.5
-          "11111111111111111111",  // 1.0
-          "11111111111111111111",  // 0.5
-          "11111111111111111111",  // 0.0
-      },
-      {});
-  EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(4.75, 2.75, 0.5)));
+  const rooms::RoomPartition rooms = RoomBefore({
+      ".......11111........", ".......11111........",
+      ".......11111........",  // a bay of 3.75 m^2
+      ".........1..........",  // y 3.0: the wall, with a gap at x 4.5 to 5
+  });
+  EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(4.75, 3.25, 0.5)));
 }
 
 TEST(DoorsAhead, AGapWithNothingKnownBehindItMayBeADoor) {
