@@ -28,13 +28,13 @@ bool IsKnown(const DoorCandidate& line, double same, const std::vector<DoorLine>
 }
 
 // The line at a narrow place, and the walls' own lines across it where they look more like a door.
-void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomOptions& options,
+void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomOptions& options, const DoorOdds& odds,
                  std::vector<DoorLine>& lines) {
   constexpr double kSame = 0.5;       // cells: holes in a wall may be neighbours, and each must be closed
   constexpr double kSmallHole = 0.5;  // m
   if (IsKnown(line, kSame, lines)) return;
   const DoorEvidence evidence = GatherEvidence(ground, line);
-  DoorLine best{line, evidence, OpennessOf(evidence)};
+  DoorLine best{line, evidence, odds.OpennessOf(evidence)};
   const double one_door = 0.5 / ground.resolution;
   std::vector<DoorLine> others;
   const bool hole = line.length() * ground.resolution < kSmallHole;
@@ -45,7 +45,7 @@ void AddDoorLine(const GroundMap& ground, const DoorCandidate& line, const RoomO
   for (const DoorCandidate& other : alternatives) {
     if (hole || other.length() < 2.0 || IsKnown(other, kSame, lines)) continue;
     DoorLine found{other, GatherEvidence(ground, other), 0.0};
-    found.openness = OpennessOf(found.evidence);
+    found.openness = odds.OpennessOf(found.evidence);
     if (found.evidence.width > options.max_door || found.openness >= std::min(best.openness, 0.0)) continue;
     if (IsKnown(other, one_door, {best})) {
       best = found;
@@ -85,11 +85,12 @@ bool EndsOpen(const GroundMap& ground, const DoorLine& line) {
 // The line of a passage where none is known: along it, or as the walls beside it go on, whatever looks more like a
 // door. One jamb may be furniture, or a post with a pane of glass beside it. A line that ends on open ground parts
 // nothing.
-DoorLine LineAcross(const GroundMap& ground, const DoorCandidate& passage, const RoomOptions& options) {
+DoorLine LineAcross(const GroundMap& ground, const DoorCandidate& passage, const RoomOptions& options,
+                    const DoorOdds& odds) {
   const auto judge = [&](const DoorCandidate& line) {
     DoorLine judged{line, GatherEvidence(ground, line), 0.0};
     judged.evidence.reports = 1;
-    judged.openness = OpennessOf(judged.evidence);
+    judged.openness = odds.OpennessOf(judged.evidence);
     return judged;
   };
   constexpr double kNear = 0.6;  // m
@@ -140,35 +141,36 @@ void DropRivals(const GroundMap& ground, double reach, std::vector<DoorLine>& li
 
 }  // namespace
 
-std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options) {
+std::vector<DoorLine> FindDoorLines(const GroundMap& ground, const DistanceField& field, const RoomOptions& options,
+                                    const DoorOdds& odds) {
   const double cells = 1.0 / ground.resolution;  // per metre
   const double longest = LongestLine(options) * cells;
   const NarrowPlaces limits{std::max(1.0, options.narrowing * cells), longest / 2.0};
   std::vector<DoorLine> lines;
   for (const std::size_t place : FindNarrowPlaces(ground, field, limits)) {
     const auto line = CandidateAt(ground, field, place, longest);
-    if (line) AddDoorLine(ground, *line, options, lines);
+    if (line) AddDoorLine(ground, *line, options, odds, lines);
   }
   return lines;
 }
 
 std::vector<DoorLine> JudgeNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
                                          std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
-                                         const std::vector<DoorLine>& known) {
+                                         const DoorOdds& odds, const std::vector<DoorLine>& known) {
   const double same = 0.2 / ground.resolution;
   std::vector<DoorLine> lines;
   for (const DoorCandidate& narrow : FindNarrowsOnPath(ground, geometry, trajectory, LongestLine(options))) {
     if (IsKnown(narrow, same, known)) continue;
     const DoorEvidence evidence = GatherEvidence(ground, narrow);
-    lines.push_back({narrow, evidence, OpennessOf(evidence)});
+    lines.push_back({narrow, evidence, odds.OpennessOf(evidence)});
   }
   return lines;
 }
 
 void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometry,
-                      std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options,
+                      std::span<const Eigen::Vector2d> trajectory, const RoomOptions& options, const DoorOdds& odds,
                       std::vector<DoorLine>& lines) {
-  std::vector<DoorLine> doors = JudgeNarrowsOnPath(ground, geometry, trajectory, options, lines);
+  std::vector<DoorLine> doors = JudgeNarrowsOnPath(ground, geometry, trajectory, options, odds, lines);
   std::erase_if(doors,
                 [&](const DoorLine& door) { return door.openness >= 0.0 || door.evidence.width > options.max_door; });
   std::stable_sort(doors.begin(), doors.end(),
@@ -189,7 +191,7 @@ void AddNarrowsOnPath(const GroundMap& ground, const grid::GridGeometry& geometr
 }
 
 void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, std::span<const PassageHint> passages,
-                 const RoomOptions& options, std::vector<DoorLine>& lines) {
+                 const RoomOptions& options, const DoorOdds& odds, std::vector<DoorLine>& lines) {
   const double reach = 0.6 / ground.resolution;
   for (const PassageHint& passage : passages) {
     const Eigen::Vector2d a = ToCells(geometry, passage.a);
@@ -197,16 +199,25 @@ void AddPassages(const GroundMap& ground, const grid::GridGeometry& geometry, st
     if (!a.allFinite() || !b.allFinite() || (b - a).norm() < 1.0) continue;
     DoorLine* line = LineOfPassage({a, b}, reach, lines);
     if (line == nullptr) {
-      DoorLine own = LineAcross(ground, {a, b}, options);
+      DoorLine own = LineAcross(ground, {a, b}, options, odds);
       const bool crosses =
           std::any_of(lines.begin(), lines.end(), [&](const DoorLine& other) { return Crosses(own.line, other.line); });
       if (crosses) continue;  // it would cut the other line in two
       line = &lines.emplace_back(std::move(own));
     }
     ++line->evidence.reports;
-    line->openness = OpennessOf(line->evidence);
+    line->openness = odds.OpennessOf(line->evidence);
   }
   DropRivals(ground, reach, lines);
+}
+
+double JoinWeight(const DoorLine& line, double robot_radius) {
+  constexpr double kMost = 3.0;
+  constexpr double kLeast = 0.01;  // share
+  if (line.openness <= 0.0) return line.openness;
+  const double seen = std::min(line.evidence.a.seen, line.evidence.b.seen);
+  const double sure = seen * std::min(line.evidence.width / (2.0 * robot_radius), 1.0);
+  return std::min(line.openness, kMost) * std::max(sure * sure, kLeast);
 }
 
 }  // namespace enfilade::rooms

@@ -25,7 +25,8 @@ struct DoorTree {
 };
 
 #include "core/rooms/door_trees.inc"
-#include "core/rooms/driven_trees.inc"
+#include "core/rooms/driven_door_trees.inc"
+#include "core/rooms/driven_surrounded_trees.inc"
 #include "core/rooms/surrounded_trees.inc"
 
 template <std::size_t kDepth>
@@ -48,11 +49,14 @@ double OpennessBy(double prior_odds, const std::array<DoorTree<kDepth>, kTrees>&
 
 }  // namespace
 
-double OpennessOf(const DoorEvidence& evidence) { return OpennessBy(kPriorOdds, kDoorTrees, ValuesOf(evidence)); }
+double DoorOdds::OpennessOf(const DoorEvidence& evidence) const {
+  return driven_ ? OpennessBy(kDrivenDoorPriorOdds, kDrivenDoorTrees, ValuesOf(evidence))
+                 : OpennessBy(kDoorPriorOdds, kDoorTrees, ValuesOf(evidence));
+}
 
-double OpennessOf(const SurroundedValues& values, bool driven) {
-  return driven ? OpennessBy(kDrivenPriorOdds, kDrivenTrees, values)
-                : OpennessBy(kSurroundedPriorOdds, kSurroundedTrees, values);
+double DoorOdds::OpennessOf(const SurroundedValues& values) const {
+  return driven_ ? OpennessBy(kDrivenSurroundedPriorOdds, kDrivenSurroundedTrees, values)
+                 : OpennessBy(kSurroundedPriorOdds, kSurroundedTrees, values);
 }
 
 }  // namespace enfilade::rooms

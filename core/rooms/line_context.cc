@@ -104,6 +104,50 @@ std::map<RegionPair, LinesBetween> LinesBetweenRegions(const GroundMap& ground, 
   return between;
 }
 
+// A share of lines, and of the others without one of them. One line more, whose chance is one half, counts.
+struct Share {
+  double sum = 0.5;
+  double count = 1.0;
+
+  void Add(double value, bool counts) {
+    sum += counts ? value : 0.0;
+    count += counts ? 1.0 : 0.0;
+  }
+  double Without(double value, bool counts) const { return counts ? (sum - value) / (count - 1.0) : sum / count; }
+};
+
+std::vector<FirstLooks> FirstLooksOf(const std::vector<DoorLine>& lines) {
+  constexpr double kClearDoor = 0.9;
+  constexpr double kDoubtful = 2.0;
+  const auto is_reported = [](const DoorLine& line) { return line.evidence.reports > 0; };
+  const auto is_silent = [](const DoorLine& line) { return line.evidence.silence > 0.0; };
+  const auto is_clear = [&](const DoorLine& line) { return ChanceOfDoor(line) > kClearDoor; };
+  const auto doubt = [&](const DoorLine& line) { return std::abs(line.openness) < kDoubtful ? 1.0 : 0.0; };
+  double votes = 0.0;
+  Share reported;
+  Share silent;
+  Share detected;
+  Share doubtful;
+  for (const DoorLine& line : lines) {
+    votes += VoteOf(line);
+    reported.Add(ChanceOfDoor(line), is_reported(line));
+    silent.Add(ChanceOfDoor(line), is_silent(line));
+    detected.Add(is_reported(line) ? 1.0 : 0.0, is_clear(line));
+    doubtful.Add(doubt(line), true);
+  }
+  const double others = std::max(static_cast<double>(lines.size()) - 1.0, 1.0);
+  std::vector<FirstLooks> looks;
+  for (const DoorLine& line : lines) {
+    looks.push_back({.own = line.openness,
+                     .others = (votes - VoteOf(line)) / others,
+                     .reported = reported.Without(ChanceOfDoor(line), is_reported(line)),
+                     .silent = silent.Without(ChanceOfDoor(line), is_silent(line)),
+                     .detected = detected.Without(is_reported(line) ? 1.0 : 0.0, is_clear(line)),
+                     .doubtful = doubtful.Without(doubt(line), true)});
+  }
+  return looks;
+}
+
 }  // namespace
 
 std::vector<LineContext> ContextsOf(const GroundMap& ground, const CutGround& cut, const std::vector<DoorLine>& lines) {
@@ -111,11 +155,13 @@ std::vector<LineContext> ContextsOf(const GroundMap& ground, const CutGround& cu
   const SharedWalls walls(ground, cut.map);
   const std::vector<std::set<std::int32_t>> around = OpenAround(cut, lines);
   const std::map<RegionPair, LinesBetween> between = LinesBetweenRegions(ground, cut, lines);
+  const std::vector<FirstLooks> looks = FirstLooksOf(lines);
   std::vector<LineContext> contexts(lines.size());
   for (std::size_t k = 0; k < lines.size(); ++k) {
     LineContext& context = contexts[k];
     context.row = DoorsInRow(ground, lines, k);
     context.alike = DoorsAlike(ground, lines, k);
+    context.looks = looks[k];
     const auto [one, other] = BesideLine(cut, k);
     if (one < 0 || one == other) continue;
     const std::set<std::int32_t>& around_one = around[static_cast<std::size_t>(one)];
@@ -137,7 +183,13 @@ ContextValues ValuesOf(const LineContext& context) {
           context.parted / std::max(kLeast, context.outline),
           context.rivals,
           context.row,
-          context.alike};
+          context.alike,
+          context.looks.own,
+          context.looks.others,
+          context.looks.reported,
+          context.looks.silent,
+          context.looks.detected,
+          context.looks.doubtful};
 }
 
 }  // namespace enfilade::rooms

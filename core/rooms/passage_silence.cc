@@ -41,7 +41,7 @@ std::vector<int> CountReports(const grid::GridGeometry& geometry, std::span<cons
 
 // The share of passages through doors that are reported.
 double DetectionRate(const std::vector<DoorLine>& lines, const std::vector<int>& crossings,
-                     const std::vector<int>& reports) {
+                     const std::vector<int>& reports, const DoorOdds& odds) {
   constexpr double kClear = -2.0;
   int passed = 0;
   int reported = 0;
@@ -49,7 +49,7 @@ double DetectionRate(const std::vector<DoorLine>& lines, const std::vector<int>&
     if (crossings[k] == 0) continue;
     DoorEvidence walls = lines[k].evidence;
     walls.reports = 0;
-    if (OpennessOf(walls) > kClear) continue;
+    if (odds.OpennessOf(walls) > kClear) continue;
     passed += crossings[k];
     reported += std::min(crossings[k], reports[k]);
   }
@@ -58,18 +58,19 @@ double DetectionRate(const std::vector<DoorLine>& lines, const std::vector<int>&
 
 }  // namespace
 
-void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, std::vector<DoorLine>& lines) {
+void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, const DoorOdds& odds,
+                  std::vector<DoorLine>& lines) {
   constexpr double kMost = 10.0;
   if (evidence.passages.empty()) return;
   const std::vector<int> crossings = CountCrossings(geometry, evidence.trajectory, lines);
   const std::vector<int> reports = CountReports(geometry, evidence.passages, lines);
-  const double one_passage = -std::log(1.0 - DetectionRate(lines, crossings, reports));
+  const double one_passage = -std::log(1.0 - DetectionRate(lines, crossings, reports, odds));
   const double widest = WidestReported(evidence.passages);
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const int silent = crossings[k] - reports[k];
     if (silent <= 0 || lines[k].evidence.width > widest) continue;
     lines[k].evidence.silence = std::min(silent * one_passage, kMost);
-    lines[k].openness = OpennessOf(lines[k].evidence);
+    lines[k].openness = odds.OpennessOf(lines[k].evidence);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/grid/occupancy_grid.h"
 #include "core/rooms/door_lines.h"
+#include "core/rooms/door_odds.h"
 #include "core/rooms/room_partition.h"
 
 namespace enfilade::rooms {
@@ -13,6 +14,7 @@ namespace enfilade::rooms {
 // Sets DoorEvidence::silence and judges the lines anew. How often a detector reports a door is estimated from the lines
 // that are clearly doors by their walls. Without any report nothing changes: there may be no detector. Points of the
 // trajectory up to kLongestStep apart are joined (path_narrows.h).
-void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, std::vector<DoorLine>& lines);
+void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, const DoorOdds& odds,
+                  std::vector<DoorLine>& lines);
 
 }  // namespace enfilade::rooms

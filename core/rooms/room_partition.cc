@@ -26,13 +26,6 @@ namespace enfilade::rooms {
 namespace {
 
 constexpr std::size_t kMaxRooms = std::numeric_limits<std::uint16_t>::max();
-// What a line says about the regions on its sides. That it is open says less the less of its jambs was seen; however
-// open, it outweighs one clear door.
-double WeightOf(const DoorLine& line) {
-  constexpr double kMost = 3.0;
-  const double seen = std::min(line.evidence.a.seen, line.evidence.b.seen);
-  return line.openness > 0.0 ? std::min(line.openness, kMost) * std::max(seen * seen, 0.01) : line.openness;
-}
 
 class Partitioner {
  public:
@@ -40,14 +33,15 @@ class Partitioner {
       : geometry_(grid.geometry),
         options_(options),
         evidence_(evidence),
+        odds_(evidence),
         ground_(ReadGround(grid, options, evidence.trajectory)),
         field_(DistancesToWalls(ground_)) {}
 
   RoomPartition Run() {
-    lines_ = FindDoorLines(ground_, field_, options_);
-    AddNarrowsOnPath(ground_, geometry_, evidence_.trajectory, options_, lines_);
-    AddPassages(ground_, geometry_, evidence_.passages, options_, lines_);
-    WeighSilence(geometry_, evidence_, lines_);
+    lines_ = FindDoorLines(ground_, field_, options_, odds_);
+    AddNarrowsOnPath(ground_, geometry_, evidence_.trajectory, options_, odds_, lines_);
+    AddPassages(ground_, geometry_, evidence_.passages, options_, odds_, lines_);
+    WeighSilence(geometry_, evidence_, odds_, lines_);
     std::vector<DoorCandidate> lines;
     for (const DoorLine& line : lines_) lines.push_back(line.line);
     cut_ = CutAlong(ground_, field_, lines);
@@ -66,12 +60,8 @@ class Partitioner {
   // Judges the lines again by what is around them.
   void LookAround() {
     const std::vector<Surroundings> sides = SurroundingsOf(ground_, cut_, lines_);
-    constexpr double kNotYetReported = 0.5;  // m: detectors may know wider doors than they have reported so far
-    const bool any_reported = !evidence_.passages.empty();
-    const double widest = WidestReported(evidence_.passages) + kNotYetReported;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
-      const bool driven = any_reported && lines_[i].evidence.width <= widest;
-      lines_[i].openness = OpennessOf(ValuesOf(lines_[i], sides[i]), driven);
+      lines_[i].openness = odds_.OpennessOf(ValuesOf(lines_[i], sides[i]));
     }
   }
 
@@ -80,7 +70,7 @@ class Partitioner {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       const Sides& sides = cut_.sides[i];
       if (sides.before < 0 || sides.behind < 0) continue;
-      borders.push_back({sides.before, sides.behind, WeightOf(lines_[i])});
+      borders.push_back({sides.before, sides.behind, JoinWeight(lines_[i], options_.robot_radius)});
     }
     room_of_region_ = ClusterRegions(static_cast<int>(cut_.map.sizes.size()), borders);
   }
@@ -95,8 +85,8 @@ class Partitioner {
       for (std::size_t i = 0; i < lines_.size(); ++i) {
         const auto [one, other] = RoomsAt(i);
         if (one == other || one < 0 || other < 0) continue;
-        borders[{one, other}] += WeightOf(lines_[i]);
-        borders[{other, one}] += WeightOf(lines_[i]);
+        borders[{one, other}] += JoinWeight(lines_[i], options_.robot_radius);
+        borders[{other, one}] += JoinWeight(lines_[i], options_.robot_radius);
       }
       std::optional<std::pair<int, int>> best;
       for (const auto& [pair, openness] : borders) {
@@ -232,6 +222,7 @@ class Partitioner {
   const grid::GridGeometry geometry_;
   const RoomOptions options_;
   const RoomEvidence evidence_;
+  const DoorOdds odds_;
   GroundMap ground_;
   DistanceField field_;
   std::vector<DoorLine> lines_;

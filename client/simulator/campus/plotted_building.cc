@@ -37,7 +37,8 @@ void PlottedBuilding::AddDoor(const SolidWall& wall) {
   const double length = (wall.to - wall.from).norm();
   const Eigen::Vector2d along = (wall.to - wall.from) / length;
   const double clear = campus.wall_thickness / 2.0;  // to the face of the wall across
-  const double width = noise.Uniform(0.75, std::max(0.8, std::min(wall.widest, length - 2.0 * clear - 0.1)));
+  const double width =
+      noise.Uniform(wall.narrowest, std::max(wall.narrowest + 0.05, std::min(wall.widest, length - 2.0 * clear - 0.1)));
   const double slack = std::max(0.0, length - 2.0 * clear - width);
   double at = clear + noise.Uniform(0.0, slack);
   const bool flush = noise.Chance(0.5);
@@ -54,6 +55,17 @@ void PlottedBuilding::AddDoor(const SolidWall& wall) {
     door.leaf = (left ? -1.0 : 1.0) * noise.Uniform(1.5, 1.8);
   }
   campus.doors.push_back(std::move(door));
+}
+
+void PlottedBuilding::AddDoorOrDouble(const SolidWall& wall, double chance) {
+  constexpr double kNarrowest = 1.8;  // m
+  constexpr double kWidest = 3.2;
+  constexpr double kBeside = 0.5;  // m of wall, at least
+  SolidWall around = wall;
+  if ((wall.to - wall.from).norm() > kWidest + kBeside && noise.Chance(chance)) {
+    around = {.from = wall.from, .to = wall.to, .widest = kWidest, .narrowest = kNarrowest};
+  }
+  AddDoor(around);
 }
 
 void PlottedBuilding::Furnish(const Plot& plot) {

@@ -32,6 +32,7 @@ struct SolidWall {
   double closed = 0.0;  // how likely the door is closed,
   double leaf = 0.0;    // and how likely its leaf stands on the side `into`, hinged away from `from`
   Eigen::Vector2d into = Eigen::Vector2d::Zero();
+  double narrowest = 0.75;  // m, of the door
 };
 
 class PlottedBuilding {
@@ -43,6 +44,8 @@ class PlottedBuilding {
   void AddArea(const std::string& id, AreaKind kind, std::vector<Eigen::Vector2d> outline);
   // Half of the doors stand at an end of their wall.
   void AddDoor(const SolidWall& wall);
+  // The same; where the wall is long enough, `chance` of them are double doors of 1.8 to 3.2 m, which stand open.
+  void AddDoorOrDouble(const SolidWall& wall, double chance);
   // With its lower corner at u, v of the plot. No box is added where a door is near or the way past another box would
   // be narrow.
   void AddBox(const Plot& plot, double u, double v, double width, double depth, double top);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -85,8 +86,10 @@ class Halls {
   // A row of rooms outside the hall, each with a door to it.
   void AddRooms(int side) {
     constexpr double kNarrowest = 2.6;  // m
+    constexpr double kRoundFrom = 3.0;
     const Plot& front = sides_[static_cast<std::size_t>(side)];
     double last_depth = 0.0;
+    Polyline round;  // the walls that are not straight
     for (double x = 0.0; x < front.width - kNarrowest;) {
       double width = noise_.Uniform(kNarrowest, 5.5);
       if (front.width - x - width < kNarrowest) width = front.width - x;
@@ -96,10 +99,21 @@ class Halls {
         last_depth = 0.0;
         continue;
       }
-      building_.AddArea(
-          fmt::format("room-{}", campus_.areas.size()), AreaKind::kRoom,
-          {plot.At(0.0, 0.0), plot.At(plot.width, 0.0), plot.At(plot.width, plot.depth), plot.At(0.0, plot.depth)});
-      building_.AddDoor({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.8, 0.05, 0.3, plot.v});
+      Polyline room_front;
+      if (plot.width > kRoundFrom && noise_.Chance(0.25)) room_front = DrawRoundFront(plot);
+      Polyline room{plot.At(0.0, 0.0)};
+      room.insert(room.end(), room_front.begin(), room_front.end());
+      for (const auto& [u, v] : {std::pair{1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
+        room.push_back(plot.At(u * plot.width, v * plot.depth));
+      }
+      building_.AddArea(fmt::format("room-{}", campus_.areas.size()), AreaKind::kRoom, room);
+      if (room_front.empty()) {
+        building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.8, 0.05, 0.3, plot.v}, 0.4);
+      } else {
+        round.push_back(plot.At(0.0, 0.0));
+        round.insert(round.end(), room_front.begin(), room_front.end());
+        round.push_back(plot.At(plot.width, 0.0));
+      }
       const double shared = std::min(last_depth, plot.depth);
       if (shared > 0.0 && noise_.Chance(0.25)) {
         building_.AddDoor({plot.At(0.0, 0.5), plot.At(0.0, shared), 1.4, 0.1, 0.3, plot.u});
@@ -107,6 +121,33 @@ class Halls {
       last_depth = plot.depth;
       to_furnish_.push_back({plot.At(0.0, 0.8), plot.u, plot.v, plot.width, plot.depth - 0.8});
     }
+    const auto begin = std::find(outline_.begin(), outline_.end(), front.origin);
+    outline_.insert(std::next(begin), round.begin(), round.end());
+  }
+
+  // A room's wall that bulges into the hall, without its ends, and a door in it.
+  Polyline DrawRoundFront(const Plot& plot) {
+    constexpr double kPiece = 0.6;  // m, about
+    const double sag = noise_.Uniform(0.1, 0.3) * plot.width;
+    const double door = noise_.Uniform(0.9, std::min(2.8, 0.6 * plot.width));
+    const double begin = noise_.Uniform(0.3, plot.width - door - 0.3);
+    const auto at = [&](double u) {
+      const double share = u / plot.width;
+      return plot.At(u, -4.0 * sag * share * (1.0 - share));
+    };
+    Polyline wall;
+    const auto divide = [&](double from, double to) {
+      const int pieces = std::max(1, static_cast<int>(std::lround((to - from) / kPiece)));
+      for (int i = 1; i <= pieces; ++i) wall.push_back(at(from + (to - from) * i / pieces));
+    };
+    divide(0.0, begin);
+    wall.push_back(at(begin + door));
+    divide(begin + door, plot.width);
+    wall.pop_back();
+    const double length = (at(begin + door) - at(begin)).norm();
+    building_.AddDoor(
+        {.from = at(begin), .to = at(begin + door), .widest = length, .narrowest = std::max(0.75, length - 0.4)});
+    return wall;
   }
 
   // False: it did not fit where it was tried.

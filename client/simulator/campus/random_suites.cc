@@ -26,8 +26,13 @@ class Suites {
   absl::StatusOr<Campus> Build() && {
     const double length = noise_.Uniform(13.0, 20.0);
     const double breadth = noise_.Uniform(1.6, 2.6);
-    building_.AddArea("corridor", AreaKind::kCorridor, {{0.0, 0.0}, {length, 0.0}, {length, breadth}, {0.0, breadth}});
-    for (const bool above : {true, false}) AddRow(above, length, breadth);
+    std::vector<Eigen::Vector2d> corridor{{0.0, breadth}, {0.0, 0.0}};
+    AddRow(false, length, breadth, corridor);
+    corridor.insert(corridor.end(), {{length, 0.0}, {length, breadth}});
+    std::vector<Eigen::Vector2d> north;
+    AddRow(true, length, breadth, north);
+    corridor.insert(corridor.end(), north.rbegin(), north.rend());
+    building_.AddArea("corridor", AreaKind::kCorridor, corridor);
     AddHall(length, breadth);
     if (noise_.Chance(0.5)) AddPillars(length, breadth);
     for (const Plot& plot : to_furnish_) building_.Furnish(plot);
@@ -36,19 +41,26 @@ class Suites {
   }
 
  private:
-  // The rooms on one side of the corridor.
-  void AddRow(bool above, double length, double breadth) {
+  static constexpr double kDeepest = 7.5;  // m
+
+  // The rooms on one side of the corridor, and perhaps a corridor that branches off, whose corners `corridor` gets.
+  void AddRow(bool above, double length, double breadth, std::vector<Eigen::Vector2d>& corridor) {
     constexpr double kNarrowest = 3.4;  // m
     double x = 0.0;
     for (int i = 0; x < length - 1e-6; ++i) {
+      const double side = above ? 1.0 : -1.0;
+      if (corridor.size() <= 2 && length - x > 3.0 * kNarrowest && noise_.Chance(0.3)) {
+        x += AddBranch(fmt::format("{}{}", above ? "n" : "s", i), {x, above ? breadth : 0.0}, side, corridor);
+        continue;
+      }
       double width = noise_.Uniform(kNarrowest, 6.0);
       if (length - x - width < kNarrowest) width = length - x;
       const bool mirrored = noise_.Chance(0.5);
       const Plot plot{{mirrored ? x + width : x, above ? breadth : 0.0},
                       {mirrored ? -1.0 : 1.0, 0.0},
-                      {0.0, above ? 1.0 : -1.0},
+                      {0.0, side},
                       width,
-                      noise_.Uniform(4.5, 7.5)};
+                      noise_.Uniform(4.5, kDeepest)};
       const std::string id = fmt::format("{}{}", above ? "n" : "s", i);
       const double kind = noise_.Uniform();
       if (kind < 0.5) {
@@ -60,6 +72,41 @@ class Suites {
       }
       x += width;
     }
+  }
+
+  // A corridor that branches off and leads to a room at its end, or to rooms beside it, as to a lift. Returns how much
+  // of the row it takes.
+  double AddBranch(const std::string& id, const Eigen::Vector2d& at, double side,
+                   std::vector<Eigen::Vector2d>& corridor) {
+    const double width = noise_.Uniform(1.4, 2.8);
+    const bool to_end = noise_.Chance(0.4);
+    const double before = !to_end && noise_.Chance(0.6) ? noise_.Uniform(1.8, 3.4) : 0.0;
+    const double behind = !to_end && (before == 0.0 || noise_.Chance(0.3)) ? noise_.Uniform(1.8, 3.4) : 0.0;
+    const double depth = to_end ? kDeepest + noise_.Uniform(0.2, 2.0) : noise_.Uniform(2.4, 7.0);
+    const Plot branch{at + Eigen::Vector2d(before, 0.0), {1.0, 0.0}, {0.0, side}, width, depth};
+    const Eigen::Vector2d a = branch.At(0.0, depth);
+    const Eigen::Vector2d b = branch.At(width, depth);
+    corridor.insert(corridor.end(), {branch.At(0.0, 0.0), a, b, branch.At(width, 0.0)});
+    if (before > 0.0) AddRoomBesideBranch(id + "-a", {branch.origin, {-1.0, 0.0}, branch.v, before, depth});
+    if (behind > 0.0) AddRoomBesideBranch(id + "-b", {branch.At(width, 0.0), branch.u, branch.v, behind, depth});
+    if (to_end) {
+      const double left = noise_.Uniform(0.3, 2.0);
+      const double right = width + noise_.Uniform(0.3, 2.0);
+      const double end = depth + noise_.Uniform(2.6, 5.0);
+      building_.AddArea(
+          id, AreaKind::kRoom,
+          {branch.At(-left, depth), a, b, branch.At(right, depth), branch.At(right, end), branch.At(-left, end)});
+      building_.AddDoor({a, b, 1.6, 0.0, 0.3, branch.v});
+    }
+    return before + width + behind;
+  }
+
+  // Its door is in the wall at v = 0 to `plot.depth`, u = 0.
+  void AddRoomBesideBranch(const std::string& id, const Plot& plot) {
+    building_.AddArea(
+        id, AreaKind::kRoom,
+        {plot.At(0.0, 0.0), plot.At(plot.width, 0.0), plot.At(plot.width, plot.depth), plot.At(0.0, plot.depth)});
+    building_.AddDoor({plot.At(0.0, 0.0), plot.At(0.0, plot.depth), 1.6, 0.0, 0.3, plot.u});
   }
 
   // A bathroom beside the entrance.
@@ -90,7 +137,7 @@ class Suites {
     building_.AddArea(id, AreaKind::kRoom,
                       {plot.At(0.0, 0.0), plot.At(plot.width, 0.0), plot.At(plot.width, plot.depth),
                        plot.At(width, plot.depth), plot.At(width, near), plot.At(0.0, near)});
-    building_.AddDoor({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v});
+    building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v}, 0.4);
     if (noise_.Chance(0.5)) {
       building_.AddDoor({plot.At(width, plot.depth), plot.At(width, near), 1.2, 0.08});
     } else {
@@ -113,7 +160,7 @@ class Suites {
     }
     if (outline.size() != 6) outline.push_back(plot.At(0.0, plot.depth));
     building_.AddArea(id, AreaKind::kRoom, outline);
-    building_.AddDoor({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v});
+    building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v}, 0.4);
     if (noise_.Chance(0.5)) {
       AddPartition(plot);
     } else {

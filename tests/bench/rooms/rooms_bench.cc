@@ -173,7 +173,8 @@ class RoomsBench {
     grid::RgbImage image = cli::DrawRooms(grid, partition);
     const rooms::RoomOptions room_options;
     const rooms::GroundMap ground = rooms::ReadGround(grid, room_options, {});
-    for (const rooms::DoorLine& line : rooms::FindDoorLines(ground, rooms::DistancesToWalls(ground), room_options)) {
+    for (const rooms::DoorLine& line :
+         rooms::FindDoorLines(ground, rooms::DistancesToWalls(ground), room_options, rooms::DoorOdds({}))) {
       const auto pixel = [&](const Eigen::Vector2d& cells) {
         return grid::PixelOf(grid.geometry, rooms::ToMap(grid.geometry, cells));
       };
@@ -190,14 +191,15 @@ class RoomsBench {
     std::vector<rooms::DoorLine> lines;
   };
 
-  static ChosenLines Choose(const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known) {
+  static ChosenLines Choose(const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
+                            const rooms::DoorOdds& odds) {
     const rooms::RoomOptions options;
     ChosenLines chosen;
     chosen.ground = rooms::ReadGround(grid, options, known.trajectory);
     chosen.field = rooms::DistancesToWalls(chosen.ground);
-    chosen.lines = rooms::FindDoorLines(chosen.ground, chosen.field, options);
-    rooms::AddNarrowsOnPath(chosen.ground, grid.geometry, known.trajectory, options, chosen.lines);
-    rooms::AddPassages(chosen.ground, grid.geometry, known.passages, options, chosen.lines);
+    chosen.lines = rooms::FindDoorLines(chosen.ground, chosen.field, options, odds);
+    rooms::AddNarrowsOnPath(chosen.ground, grid.geometry, known.trajectory, options, odds, chosen.lines);
+    rooms::AddPassages(chosen.ground, grid.geometry, known.passages, options, odds, chosen.lines);
     return chosen;
   }
 
@@ -213,12 +215,13 @@ class RoomsBench {
   template <typename RoomAt>
   void WriteCandidates(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
                        RoomAt&& room_at) {
-    auto [ground, field, lines] = Choose(grid, known);
+    const rooms::DoorOdds odds(known);
+    auto [ground, field, lines] = Choose(grid, known, odds);
     // Those that are taken for no door, too.
     const std::vector<rooms::DoorLine> others =
-        rooms::JudgeNarrowsOnPath(ground, grid.geometry, known.trajectory, rooms::RoomOptions(), lines);
+        rooms::JudgeNarrowsOnPath(ground, grid.geometry, known.trajectory, rooms::RoomOptions(), odds, lines);
     lines.insert(lines.end(), others.begin(), others.end());
-    rooms::WeighSilence(grid.geometry, known, lines);
+    rooms::WeighSilence(grid.geometry, known, odds, lines);
     for (const rooms::DoorLine& line : lines) {
       WriteRow(candidates_, NameAndTruth(name, grid.geometry, line.line, room_at), rooms::ValuesOf(line.evidence));
     }
@@ -228,8 +231,9 @@ class RoomsBench {
   template <typename RoomAt>
   void WriteLines(const std::string& name, const grid::OccupancyGrid& grid, const rooms::RoomEvidence& known,
                   RoomAt&& room_at) {
-    auto [ground, field, lines] = Choose(grid, known);
-    rooms::WeighSilence(grid.geometry, known, lines);
+    const rooms::DoorOdds odds(known);
+    auto [ground, field, lines] = Choose(grid, known, odds);
+    rooms::WeighSilence(grid.geometry, known, odds, lines);
     std::vector<rooms::DoorCandidate> cuts;
     for (const rooms::DoorLine& line : lines) cuts.push_back(line.line);
     const std::vector<rooms::Surroundings> sides =

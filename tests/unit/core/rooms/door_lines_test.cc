@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "core/rooms/door_odds.h"
 #include "core/rooms/room_partition.h"
 #include "tests/unit/core/rooms/drawn_rooms.h"
 
@@ -35,7 +36,7 @@ const DrawnRooms& DoorBesideAPane() {
 std::vector<DoorLine> LinesOf(const std::vector<PassageHint>& passages) {
   const DrawnRooms& drawn = DoorBesideAPane();
   std::vector<DoorLine> lines;
-  AddPassages(ReadGround(drawn.grid, {}, {}), drawn.grid.geometry, passages, RoomOptions(), lines);
+  AddPassages(ReadGround(drawn.grid, {}, {}), drawn.grid.geometry, passages, RoomOptions(), DoorOdds({}), lines);
   return lines;
 }
 
@@ -65,6 +66,31 @@ TEST(AddPassages, AWayBesideTheLineIsNoReportOfIt) {
       LinesOf({ReportOf('1', '2', 0.0), {a - Eigen::Vector2d(0.0, 0.6), a + Eigen::Vector2d(0.0, 0.6)}});
   ASSERT_GE(lines.size(), 1U);
   EXPECT_EQ(lines[0].evidence.reports, 1);
+}
+
+TEST(JoinWeight, IsThatOfAnOpenLineThatRobotsFitThrough) {
+  const double radius = 0.4;  // m
+  DoorLine line;
+  line.evidence.a.seen = 1.0;
+  line.evidence.b.seen = 1.0;
+  line.evidence.width = 2.0;  // m
+  line.openness = 2.0;
+  EXPECT_DOUBLE_EQ(JoinWeight(line, radius), 2.0);
+  line.evidence.width = 0.4;
+  EXPECT_DOUBLE_EQ(JoinWeight(line, radius), 0.5);
+  line.evidence.width = 0.05;
+  EXPECT_DOUBLE_EQ(JoinWeight(line, radius), 0.02);
+  line.openness = -2.0;  // a door, however narrow: it must part
+  EXPECT_DOUBLE_EQ(JoinWeight(line, radius), -2.0);
+}
+
+TEST(JoinWeight, IsLessWhereTheJambsWereNotSeen) {
+  DoorLine line;
+  line.evidence.width = 2.0;
+  line.openness = 9.0;
+  line.evidence.a.seen = 1.0;
+  line.evidence.b.seen = 0.5;
+  EXPECT_DOUBLE_EQ(JoinWeight(line, 0.4), 3.0 * 0.25);
 }
 
 TEST(PartitionRooms, APaneBesideAReportedDoorPartsToo) {

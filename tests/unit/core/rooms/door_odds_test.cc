@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <utility>
+#include <vector>
 
 #include "core/rooms/door_lines.h"
 #include "tests/unit/core/rooms/drawn_rooms.h"
@@ -13,7 +14,7 @@ namespace {
 
 std::vector<DoorLine> LinesOf(const DrawnRooms& drawn) {
   const GroundMap ground = ReadGround(drawn.grid, {}, {});
-  return FindDoorLines(ground, DistancesToWalls(ground), {});
+  return FindDoorLines(ground, DistancesToWalls(ground), {}, DoorOdds({}));
 }
 
 const DrawnRooms& Door() {
@@ -38,16 +39,16 @@ TEST(DoorOdds, AGapInAWallIsRatherADoor) {
   const std::vector<DoorLine> lines = LinesOf(Door());
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_LT(lines[0].openness, -2.0);
-  EXPECT_EQ(lines[0].openness, OpennessOf(lines[0].evidence));
+  EXPECT_EQ(lines[0].openness, DoorOdds({}).OpennessOf(lines[0].evidence));
 }
 
 TEST(DoorOdds, ItDoesNotMatterWhichJambIsFirst) {
   DoorEvidence evidence = LinesOf(Door()).at(0).evidence;
   evidence.a.slender = 0.4;
   evidence.b.across_behind = 0.3;
-  const double openness = OpennessOf(evidence);
+  const double openness = DoorOdds({}).OpennessOf(evidence);
   std::swap(evidence.a, evidence.b);
-  EXPECT_EQ(OpennessOf(evidence), openness);
+  EXPECT_EQ(DoorOdds({}).OpennessOf(evidence), openness);
 }
 
 TEST(DoorOdds, ItDoesNotMatterOnWhichSideTheWallsRunAcross) {
@@ -63,6 +64,16 @@ TEST(DoorOdds, ItDoesNotMatterOnWhichSideTheWallsRunAcross) {
   // But it matters whether they run on the same side of both jambs.
   std::swap(evidence.a.across_before, evidence.a.across_behind);
   EXPECT_NE(ValuesOf(evidence), values);
+}
+
+TEST(DoorOdds, AreOthersWhereRobotsReportedPassages) {
+  const std::vector<PassageHint> passages(1);
+  const DoorOdds driven(RoomEvidence{passages, {}});
+  const DoorLine line = LinesOf(Door()).at(0);
+  EXPECT_LT(driven.OpennessOf(line.evidence), -2.0);
+  EXPECT_NE(driven.OpennessOf(line.evidence), DoorOdds({}).OpennessOf(line.evidence));
+  const SurroundedValues values = ValuesOf(line, Surroundings{});
+  EXPECT_NE(driven.OpennessOf(values), DoorOdds({}).OpennessOf(values));
 }
 
 TEST(DoorOdds, AWideOpeningBetweenShortWallsIsRatherOpen) {

@@ -42,9 +42,11 @@ std::vector<DoorLine> JudgeAll(const DrawnRooms& drawn, const std::string& repor
   std::vector<PassageHint> passages;
   for (const char door : reports) passages.push_back(ReportAt(drawn, door));
   const GroundMap ground = ReadGround(drawn.grid, {}, trajectory);
-  std::vector<DoorLine> lines = FindDoorLines(ground, DistancesToWalls(ground), {});
-  AddPassages(ground, drawn.grid.geometry, passages, RoomOptions(), lines);
-  WeighSilence(drawn.grid.geometry, {passages, trajectory}, lines);
+  const RoomEvidence evidence{passages, trajectory};
+  const DoorOdds odds(evidence);
+  std::vector<DoorLine> lines = FindDoorLines(ground, DistancesToWalls(ground), {}, odds);
+  AddPassages(ground, drawn.grid.geometry, passages, RoomOptions(), odds, lines);
+  WeighSilence(drawn.grid.geometry, evidence, odds, lines);
   return lines;
 }
 

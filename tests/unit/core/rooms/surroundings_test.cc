@@ -89,6 +89,27 @@ TEST(Surroundings, DoorsOfACorridorLieInARow) {
   }
 }
 
+TEST(Surroundings, TellWhatTheFirstLookMadeOfTheOtherLines) {
+  std::vector<DoorLine> lines = LinesOf(Corridor().grid.geometry, -4.0);  // the line across the corridor: -1
+  lines[1].evidence.reports = 2;
+  lines[2].evidence.reports = 1;
+  lines[0].evidence.silence = 1.0;
+  const std::vector<Surroundings> around = AroundLines(lines);
+  const double door = 1.0 / (1.0 + std::exp(-4.0));  // the chance of each of the four doors
+  const FirstLooks& across = around[0].context.looks;
+  EXPECT_EQ(across.own, -1.0);
+  EXPECT_DOUBLE_EQ(across.others, -3.0);
+  EXPECT_DOUBLE_EQ(across.reported, (2.0 * door + 0.5) / 3.0);
+  EXPECT_DOUBLE_EQ(across.silent, 0.5);  // no other line was crossed in silence
+  EXPECT_DOUBLE_EQ(across.detected, 2.5 / 5.0);
+  EXPECT_DOUBLE_EQ(across.doubtful, 0.5 / 5.0);
+  const FirstLooks& reported = around[1].context.looks;
+  EXPECT_DOUBLE_EQ(reported.others, -10.0 / 4.0);
+  EXPECT_DOUBLE_EQ(reported.reported, (door + 0.5) / 2.0);
+  EXPECT_DOUBLE_EQ(reported.detected, 1.5 / 4.0);
+  EXPECT_DOUBLE_EQ(reported.doubtful, 1.5 / 5.0);
+}
+
 TEST(Surroundings, OfALineWithoutLengthAreNumbers) {
   for (const double value : ValuesOf(DoorLine{}, Surroundings{})) EXPECT_TRUE(std::isfinite(value));
 }

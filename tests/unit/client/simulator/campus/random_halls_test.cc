@@ -75,7 +75,12 @@ TEST(RandomHalls, HaveWhatTheyPromiseAmongManySeeds) {
   std::map<std::string, int> count;
   for (std::uint64_t seed = 1; seed <= kHallSeeds; ++seed) {
     ASSERT_OK_AND_ASSIGN(const Campus campus, RandomHalls(seed));
-    for (const Area& area : campus.areas) count[area.id.substr(0, area.id.find('-'))] += 1;
+    for (const Area& area : campus.areas) {
+      const std::string kind = area.id.substr(0, area.id.find('-'));
+      count[kind] += 1;
+      if (kind == "room" && area.outline.size() > 4) count["round fronts"] += 1;
+    }
+    for (const Door& door : campus.doors) count["double doors"] += door.width() > 1.8 ? 1 : 0;
     for (const Wall& wall : campus.walls) {
       const std::vector<Eigen::Vector2d>& hall = campus.FindArea("hall")->outline;
       bool at_side = false;
@@ -87,8 +92,8 @@ TEST(RandomHalls, HaveWhatTheyPromiseAmongManySeeds) {
     }
     for (const Box& box : campus.boxes) count[box.top == 3.0 ? "pillars" : "furniture"] += 1;
   }
-  for (const char* what : {"hall", "room", "kiosk", "screens", "screens with a corner", "spurs", "spurs with a corner",
-                           "booths", "pillars", "furniture"}) {
+  for (const char* what : {"hall", "room", "kiosk", "round fronts", "double doors", "screens", "screens with a corner",
+                           "spurs", "spurs with a corner", "booths", "pillars", "furniture"}) {
     EXPECT_GT(count[what], 2) << what;
   }
 }
@@ -97,8 +102,8 @@ TEST(RandomHalls, HaveWhatTheyPromiseAmongManySeeds) {
 TEST(RandomHalls, StayTheSameFromVersionToVersion) {
   ASSERT_OK_AND_ASSIGN(const Campus campus, RandomHalls(2001));
   ASSERT_GT(campus.walls.size(), 1U);
-  EXPECT_NEAR(campus.doors.back().a.y(), 4.4471578029383085, 1e-6);
-  EXPECT_NEAR(campus.walls.back().points[0].x(), 3.9577516042627803, 1e-6);
+  EXPECT_NEAR(campus.doors.back().a.y(), 5.5951522936822276, 1e-6);
+  EXPECT_NEAR(campus.walls.back().points[0].x(), 13.86564932172144, 1e-6);
 }
 
 }  // namespace

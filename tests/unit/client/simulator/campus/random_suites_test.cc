@@ -61,18 +61,21 @@ TEST(RandomSuites, HaveWhatTheyPromiseAmongManySeeds) {
     for (const Area& area : campus.areas) {
       count["bathrooms"] += area.id.ends_with("-bathroom") ? 1 : 0;
       count["stores"] += area.id.ends_with("-store") ? 1 : 0;
+      count["rooms beside a branch"] += area.id.ends_with("-a") || area.id.ends_with("-b") ? 1 : 0;
     }
     for (const Door& door : campus.doors) {
       count[IsFlush(campus, door) ? "flush" : "not flush"] += 1;
       count["leaves"] += door.leaf ? 1 : 0;
       count["closed"] += door.state == DoorState::kClosed ? 1 : 0;
+      count["double doors"] += door.width() > 1.8 ? 1 : 0;
     }
+    count["branches"] += static_cast<int>(campus.FindArea("corridor")->outline.size() - 4) / 4;
     count["partitions"] += static_cast<int>(campus.walls.size());
     count["boxes"] += static_cast<int>(campus.boxes.size());
     EXPECT_TRUE(campus.people.empty());
   }
   for (const auto& [what, number] : count) EXPECT_GT(number, 10) << what;
-  EXPECT_EQ(count.size(), 8U);
+  EXPECT_EQ(count.size(), 11U);
   EXPECT_GT(3 * count["flush"], count["not flush"]);
 }
 
@@ -80,8 +83,8 @@ TEST(RandomSuites, HaveWhatTheyPromiseAmongManySeeds) {
 TEST(RandomSuites, StayTheSameFromVersionToVersion) {
   ASSERT_OK_AND_ASSIGN(const Campus campus, RandomSuites(2001));
   ASSERT_GT(campus.boxes.size(), 3U);
-  EXPECT_NEAR(campus.doors.back().a.y(), 0.32057847215267254, 1e-6);
-  EXPECT_NEAR(campus.boxes.back().outline[0].x(), 22.021677383036852, 1e-6);
+  EXPECT_NEAR(campus.doors.back().a.y(), 0.86429233232434666, 1e-6);
+  EXPECT_NEAR(campus.boxes.back().outline[0].x(), 18.404247082532478, 1e-6);
 }
 
 }  // namespace
