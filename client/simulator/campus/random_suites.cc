@@ -101,7 +101,7 @@ class Suites {
     return before + width + behind;
   }
 
-  // Its door is in the wall at v = 0 to `plot.depth`, u = 0.
+  // Its door is in the wall where the plot's u is 0.
   void AddRoomBesideBranch(const std::string& id, const Plot& plot) {
     building_.AddArea(
         id, AreaKind::kRoom,
