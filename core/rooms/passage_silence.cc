@@ -58,6 +58,13 @@ double DetectionRate(const std::vector<DoorLine>& lines, const std::vector<int>&
 
 }  // namespace
 
+double WidestReported(std::span<const PassageHint> passages) {
+  constexpr double kMargin = 0.2;
+  double widest = 0.0;
+  for (const PassageHint& passage : passages) widest = std::max(widest, (passage.b - passage.a).norm() + kMargin);
+  return widest;
+}
+
 void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, const DoorOdds& odds,
                   std::vector<DoorLine>& lines) {
   constexpr double kMost = 10.0;

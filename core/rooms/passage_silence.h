@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/grid/occupancy_grid.h"
@@ -16,5 +17,9 @@ namespace enfilade::rooms {
 // trajectory up to kLongestStep apart are joined (path_narrows.h).
 void WeighSilence(const grid::GridGeometry& geometry, const RoomEvidence& evidence, const DoorOdds& odds,
                   std::vector<DoorLine>& lines);
+
+// m, 0 without a passage. Detectors look for doors up to some width, and say nothing of wider lines. A line may be a
+// little wider than what they measure: it ends on the walls' cells.
+double WidestReported(std::span<const PassageHint> passages);
 
 }  // namespace enfilade::rooms

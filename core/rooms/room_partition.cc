@@ -239,13 +239,6 @@ int RoomPartition::RoomAt(const Eigen::Vector2d& p_map) const {
   return labels[geometry.index(static_cast<int>(p.x()), static_cast<int>(p.y()))];
 }
 
-double WidestReported(std::span<const PassageHint> passages) {
-  constexpr double kMargin = 0.2;
-  double widest = 0.0;
-  for (const PassageHint& passage : passages) widest = std::max(widest, (passage.b - passage.a).norm() + kMargin);
-  return widest;
-}
-
 PassageHint PassageThrough(const Pose2& T_map_door, double width) {
   constexpr double kUsualDoor = 1.0;  // m
   const double half = (width > 0.0 ? width : kUsualDoor) / 2.0;

@@ -26,10 +26,6 @@ struct PassageHint {
 // Across a door whose pose faces through it; `width`: m, 0 if the robot did not measure it.
 PassageHint PassageThrough(const Pose2& T_map_door, double width);
 
-// m, 0 without a passage. Detectors look for doors up to some width, and say nothing of wider lines. A line may be a
-// little wider than what they measure: it ends on the walls' cells.
-double WidestReported(std::span<const PassageHint> passages);
-
 // What is known beside the grid; both may be empty.
 struct RoomEvidence {
   std::span<const PassageHint> passages{};

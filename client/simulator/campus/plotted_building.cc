@@ -57,12 +57,13 @@ void PlottedBuilding::AddDoor(const SolidWall& wall) {
   campus.doors.push_back(std::move(door));
 }
 
-void PlottedBuilding::AddDoorOrDouble(const SolidWall& wall, double chance) {
+void PlottedBuilding::AddDoorOrDouble(const SolidWall& wall) {
+  constexpr double kChance = 0.4;
   constexpr double kNarrowest = 1.8;  // m
   constexpr double kWidest = 3.2;
   constexpr double kBeside = 0.5;  // m of wall, at least
   SolidWall around = wall;
-  if ((wall.to - wall.from).norm() > kWidest + kBeside && noise.Chance(chance)) {
+  if ((wall.to - wall.from).norm() > kWidest + kBeside && noise.Chance(kChance)) {
     around = {.from = wall.from, .to = wall.to, .widest = kWidest, .narrowest = kNarrowest};
   }
   AddDoor(around);

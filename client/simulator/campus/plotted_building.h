@@ -22,6 +22,9 @@ struct Plot {
   double depth;  // m, along v
 
   Eigen::Vector2d At(double along, double away) const { return origin + along * u + away * v; }
+  std::vector<Eigen::Vector2d> Outline() const {  // from u = v = 0, along u first
+    return {At(0.0, 0.0), At(width, 0.0), At(width, depth), At(0.0, depth)};
+  }
 };
 
 // A wall that a door is cut into.
@@ -44,8 +47,8 @@ class PlottedBuilding {
   void AddArea(const std::string& id, AreaKind kind, std::vector<Eigen::Vector2d> outline);
   // Half of the doors stand at an end of their wall.
   void AddDoor(const SolidWall& wall);
-  // The same; where the wall is long enough, `chance` of them are double doors of 1.8 to 3.2 m, which stand open.
-  void AddDoorOrDouble(const SolidWall& wall, double chance);
+  // The same; where the wall is long enough, some are double doors of 1.8 to 3.2 m, which stand open.
+  void AddDoorOrDouble(const SolidWall& wall);
   // With its lower corner at u, v of the plot. No box is added where a door is near or the way past another box would
   // be narrow.
   void AddBox(const Plot& plot, double u, double v, double width, double depth, double top);

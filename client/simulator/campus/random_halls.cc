@@ -101,14 +101,11 @@ class Halls {
       }
       Polyline room_front;
       if (plot.width > kRoundFrom && noise_.Chance(0.25)) room_front = DrawRoundFront(plot);
-      Polyline room{plot.At(0.0, 0.0)};
-      room.insert(room.end(), room_front.begin(), room_front.end());
-      for (const auto& [u, v] : {std::pair{1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
-        room.push_back(plot.At(u * plot.width, v * plot.depth));
-      }
+      Polyline room = plot.Outline();
+      room.insert(std::next(room.begin()), room_front.begin(), room_front.end());
       building_.AddArea(fmt::format("room-{}", campus_.areas.size()), AreaKind::kRoom, room);
       if (room_front.empty()) {
-        building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.8, 0.05, 0.3, plot.v}, 0.4);
+        building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.8, 0.05, 0.3, plot.v});
       } else {
         round.push_back(plot.At(0.0, 0.0));
         round.insert(round.end(), room_front.begin(), room_front.end());
@@ -229,8 +226,7 @@ class Halls {
   // A small room in the hall. From some a wall goes on.
   bool AddKiosk() {
     const Plot plot = Place(noise_.Uniform(1.6, 3.2), noise_.Uniform(1.5, 2.8));
-    Polyline outline = {plot.At(0.0, 0.0), plot.At(plot.width, 0.0), plot.At(plot.width, plot.depth),
-                        plot.At(0.0, plot.depth)};
+    Polyline outline = plot.Outline();
     outline.push_back(outline[0]);
     const Polyline wing = {plot.At(0.0, 0.0), plot.At(-noise_.Uniform(1.5, 4.5), 0.0)};
     const bool winged = noise_.Chance(0.5);

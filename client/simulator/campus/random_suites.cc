@@ -103,9 +103,7 @@ class Suites {
 
   // Its door is in the wall where the plot's u is 0.
   void AddRoomBesideBranch(const std::string& id, const Plot& plot) {
-    building_.AddArea(
-        id, AreaKind::kRoom,
-        {plot.At(0.0, 0.0), plot.At(plot.width, 0.0), plot.At(plot.width, plot.depth), plot.At(0.0, plot.depth)});
+    building_.AddArea(id, AreaKind::kRoom, plot.Outline());
     building_.AddDoor({plot.At(0.0, 0.0), plot.At(0.0, plot.depth), 1.6, 0.0, 0.3, plot.u});
   }
 
@@ -137,7 +135,7 @@ class Suites {
     building_.AddArea(id, AreaKind::kRoom,
                       {plot.At(0.0, 0.0), plot.At(plot.width, 0.0), plot.At(plot.width, plot.depth),
                        plot.At(width, plot.depth), plot.At(width, near), plot.At(0.0, near)});
-    building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v}, 0.4);
+    building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v});
     if (noise_.Chance(0.5)) {
       building_.AddDoor({plot.At(width, plot.depth), plot.At(width, near), 1.2, 0.08});
     } else {
@@ -160,7 +158,7 @@ class Suites {
     }
     if (outline.size() != 6) outline.push_back(plot.At(0.0, plot.depth));
     building_.AddArea(id, AreaKind::kRoom, outline);
-    building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v}, 0.4);
+    building_.AddDoorOrDouble({plot.At(0.0, 0.0), plot.At(plot.width, 0.0), 1.6, 0.0, 0.3, plot.v});
     if (noise_.Chance(0.5)) {
       AddPartition(plot);
     } else {

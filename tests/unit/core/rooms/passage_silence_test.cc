@@ -116,5 +116,11 @@ TEST(PassageSilence, WiderLinesThanAnyThatIsReportedAreNotJudgedByIt) {
   EXPECT_EQ(Judge(drawn, "1111", "abcbabcba").second.evidence.silence, 0.0);
 }
 
+TEST(WidestReported, IsALittleWiderThanTheWidestPassage) {
+  const std::vector<PassageHint> passages = {{{0.0, 0.0}, {0.9, 0.0}}, {{3.0, 1.0}, {3.0, 2.4}}};
+  EXPECT_NEAR(WidestReported(passages), 1.6, 1e-9);
+  EXPECT_EQ(WidestReported({}), 0.0);
+}
+
 }  // namespace
 }  // namespace enfilade::rooms

@@ -350,12 +350,6 @@ TEST(RoomPartition, AFreeStandingWallDividesNoHallThatARobotDroveIn) {
   EXPECT_NE(partition.RoomAt(drawn['c']), partition.RoomAt(drawn['g']));
 }
 
-TEST(WidestReported, IsALittleWiderThanTheWidestPassage) {
-  const std::vector<PassageHint> passages = {{{0.0, 0.0}, {0.9, 0.0}}, {{3.0, 1.0}, {3.0, 2.4}}};
-  EXPECT_NEAR(WidestReported(passages), 1.6, 1e-9);
-  EXPECT_EQ(WidestReported({}), 0.0);
-}
-
 // Ground truth of seven floor plans (MANIFEST.md of the recordings).
 class PlanTest : public ::testing::TestWithParam<const char*> {};
 
