@@ -13,7 +13,7 @@
 #include "core/geometry/pose2.h"
 #include "core/grid/occupancy_grid.h"
 #include "core/rooms/room_partition.h"
-#include "tests/support/room_scores.h"
+#include "tests/support/rooms/room_scores.h"
 
 namespace enfilade::bench {
 

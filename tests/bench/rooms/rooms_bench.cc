@@ -28,7 +28,7 @@
 #include "io/file.h"
 #include "tests/bench/rooms/mapped_drive.h"
 #include "tests/bench/rooms/true_plans.h"
-#include "tests/support/room_scores.h"
+#include "tests/support/rooms/room_scores.h"
 
 namespace enfilade::bench {
 namespace {

@@ -2,7 +2,6 @@
 #include "tests/bench/rooms/true_plans.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -12,9 +11,9 @@
 #include "core/geometry/pose2.h"
 #include "core/grid/distance_field.h"
 #include "core/grid/files/plan_image.h"
-#include "core/grid/files/png_codec.h"
 #include "io/file.h"
-#include "tests/support/room_scores.h"
+#include "tests/support/rooms/coloured_rooms.h"
+#include "tests/support/rooms/room_scores.h"
 
 namespace enfilade::bench {
 namespace {
@@ -25,28 +24,6 @@ const std::string kRobotsMap = "robot:";
 absl::StatusOr<grid::OccupancyGrid> ReadPlanFile(const std::filesystem::path& path) {
   ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
   return grid::ReadPlan(bytes);
-}
-
-// The rooms of a coloured picture as cells, the lowest row first.
-absl::StatusOr<TruePlan> ReadColours(const std::filesystem::path& path) {
-  ENFILADE_ASSIGN_OR_RETURN(const std::string bytes, io::ReadFile(path));
-  ENFILADE_ASSIGN_OR_RETURN(const grid::PixelImage image, grid::DecodePng(bytes));
-  if (image.channels < 3) return absl::InvalidArgumentError(path.string() + " has no colours");
-  TruePlan plan;
-  plan.name = kRobotsMap + path.stem().string().substr(kColoured.size());
-  plan.map.geometry.width = image.width;
-  plan.map.geometry.height = image.height;
-  plan.rooms.resize(plan.map.geometry.cell_count());
-  std::map<std::array<std::uint8_t, 3>, int> room_of{{{0, 0, 0}, 0}};
-  const std::uint8_t* sample = image.samples.data();
-  for (int row = image.height - 1; row >= 0; --row) {
-    for (int column = 0; column < image.width; ++column, sample += image.channels) {
-      const std::array<std::uint8_t, 3> colour{sample[0], sample[1], sample[2]};
-      const auto [known, is_new] = room_of.try_emplace(colour, static_cast<int>(room_of.size()));
-      plan.rooms[plan.map.geometry.index(column, row)] = known->second;
-    }
-  }
-  return plan;
 }
 
 // The map from which the truth was drawn, in the truth's frame.
@@ -154,7 +131,11 @@ absl::StatusOr<TruePlan> ReadColouredPlan(const std::filesystem::path& truth) {
   if (!truth.filename().string().starts_with(kColoured)) {
     return absl::InvalidArgumentError(truth.string() + " is not named " + kColoured + "NAME.png");
   }
-  ENFILADE_ASSIGN_OR_RETURN(TruePlan plan, ReadColours(truth));
+  ENFILADE_ASSIGN_OR_RETURN(testing::ColouredRooms coloured, testing::ReadColouredRooms(truth));
+  TruePlan plan;
+  plan.name = kRobotsMap + truth.stem().string().substr(kColoured.size());
+  plan.map.geometry = coloured.geometry;
+  plan.rooms = std::move(coloured.rooms);
   const std::filesystem::path drawn_from =
       truth.parent_path() / ("incremental_" + plan.name.substr(kRobotsMap.size()) + ".png");
   if (std::filesystem::exists(drawn_from)) {

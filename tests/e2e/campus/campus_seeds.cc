@@ -24,6 +24,8 @@ struct Options {
   std::string delay;
   std::vector<std::string> logs;
   LogRun log;
+  PicturedRooms rooms;  // of the logs
+  std::vector<double> rooms_at;
   std::optional<double> range_max;  // m, of the logs
   std::string report;
   bool verdicts = false;
@@ -81,6 +83,16 @@ void AddOptions(CLI::App& app, Options& options) {
       ->check(CLI::ExistingFile);
   app.add_option("--reference", options.log.reference, "Logs: measure the errors against this trajectory, `t x y yaw`")
       ->check(CLI::ExistingFile);
+  app.add_option("--rooms", options.rooms.picture,
+                 "Logs: compare the maps with the rooms of this picture, PNG, in which each has a colour of its own")
+      ->check(CLI::ExistingFile);
+  app.add_option("--rooms-at", options.rooms_at,
+                 "X,Y,YAW,M: where the picture's lower left corner is in the map of `enfilade slam` (m, m, deg), and "
+                 "how many metres a pixel has")
+      ->delimiter(',')
+      ->expected(4)
+      ->needs("--rooms");
+  app.get_option("--rooms")->needs("--rooms-at");
   app.add_flag("--simulate-odometry", options.log.simulate_odometry,
                "Logs: their odometry is a corrected path. It becomes the reference, and the robot gets a copy with "
                "errors (5 %, 3 deg/m), for each seed another");
@@ -102,6 +114,7 @@ void AddOptions(CLI::App& app, Options& options) {
       "  campus_seeds --campus random:8001-8050 --image-hz 0 --cloud-hz 0 --require 0.8 --report runs.json\n"
       "  campus_seeds --campus random:8001 --robots robot,robot2 --delay done --keep out\n"
       "  campus_seeds --log intel.clf.gz --relations intel.relations --keep out\n"
+      "  campus_seeds --log intel.clf.gz --rooms rooms.png --rooms-at=-21.55,-34.76,2.28,0.05027\n"
       "  campus_seeds --log freiburg-101-corrected.log.gz --simulate-odometry --seeds 3");
 }
 
@@ -126,6 +139,13 @@ void ApplyLogOptions(Options& options) {
   };
   add("--fov", options.run.field_of_view_deg);
   add("--range-max", options.range_max);
+  if (options.rooms_at.empty()) return;
+  options.rooms.T_map_picture = {options.rooms_at[0], options.rooms_at[1], options.rooms_at[2] * kDegree};
+  options.rooms.resolution = options.rooms_at[3];
+  if (!(options.rooms.resolution > 0.0)) {
+    throw CLI::ValidationError("--rooms-at", "a pixel's size must be more than 0 m");
+  }
+  options.log.rooms = options.rooms;
 }
 
 class Experiment {

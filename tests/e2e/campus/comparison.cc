@@ -63,7 +63,7 @@ class Comparer {
     DropGaps();
     if (poses_ > 0) result_.position_rms = std::sqrt(squares_ / poses_);
     CompareAreas();
-    CompareDoors();
+    if (options_.doors) CompareDoors();
     Conclude();
     return result_;
   }

@@ -20,6 +20,7 @@ struct ComparisonOptions {
   double at_door = 1.0;       // m between a link point and the line between the door's jambs
   double misplaced = 1.0;     // m
   double misturned = 0.1745;  // rad, 10 deg
+  bool doors = true;          // false: their places are not known, so link points are not compared
 };
 
 // The maps of a site compared with the truth, as they are when everything is done. What was answered on the way does

@@ -55,6 +55,9 @@ class LogExpedition {
     const std::vector<TimedPose> world = ReadTrajectory(File(".world.txt"));
     const std::vector<TimedPose> one_map = ReadTrajectory(File(".slam") / "trajectory.txt");
     result_.difference = ErrorByReference(world, one_map);
+    if (run_.rooms) {
+      result_.rooms = Compare({RoomsEntered(kRobot, one_map, *run_.rooms)}, {}, state_, {.doors = false});
+    }
     if (!run_.relations.empty()) {
       const std::vector<Relation> relations = ReadRelations(run_.relations);
       result_.error = ErrorByRelations(world, relations);
@@ -95,7 +98,8 @@ class LogExpedition {
   }
 
   void ReadState() {
-    const MappedState state = ReadWhenQuiet(system_.server().Connect(), result_.site, {kRobot});
+    state_ = ReadWhenQuiet(system_.server().Connect(), result_.site, {kRobot});
+    const MappedState& state = state_;
     result_.maps = static_cast<int>(state.maps.size());
     for (const MappedLinkPoint& point : state.link_points) result_.joins += point.joins ? 1 : 0;
     result_.candidates = state.candidates();
@@ -129,6 +133,7 @@ class LogExpedition {
   WholeSystem& system_;
   const LogRun& run_;
   fs::path log_;
+  MappedState state_;
   LogResult result_;
 };
 

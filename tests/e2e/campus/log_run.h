@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/e2e/campus/comparison.h"
+#include "tests/e2e/campus/pictured_rooms.h"
 #include "tests/e2e/campus/trajectory_error.h"
 #include "tests/e2e/whole_system.h"
 
@@ -14,8 +16,9 @@ namespace enfilade::testing {
 
 struct LogRun {
   std::filesystem::path log;
-  std::filesystem::path relations;  // for the errors; empty: none
-  std::filesystem::path reference;  // a trajectory; used if there are no relations
+  std::filesystem::path relations;     // for the errors; empty: none
+  std::filesystem::path reference;     // a trajectory; used if there are no relations
+  std::optional<PicturedRooms> rooms;  // to compare the maps with
   // The log's odometry is a corrected path: it becomes the reference, and the robot gets a copy of it with errors.
   bool simulate_odometry = false;
   std::uint64_t seed = 1;            // of these errors
@@ -41,6 +44,9 @@ struct LogResult {
   std::optional<TrajectoryError> slam_error;
   // Of the way in the world against SLAM's trajectory.
   TrajectoryError difference;
+  // The maps against the rooms that the robot entered. Poses are compared with SLAM's, link points are not. Unset: no
+  // picture of the rooms is given.
+  std::optional<Comparison> rooms;
   std::vector<std::string> verdicts;
 
   // Of the errors in metres.

@@ -164,21 +164,28 @@ nlohmann::json ToJson(const CampusTotals& totals) {
 
 std::string LogHeader() {
   return fmt::format(
-      "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7} {:>7}", "log",
-      "seed", "maps", "joins", "cand", "pcs", "passages", "sessions", "poses", "left out", "error m", "slam m", "ratio",
-      "differ m", "seconds", "slam s");
+      "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7} {:>7}  {:>6} "
+      "{:>2} "
+      "{:>2} {:>2}  {}",
+      "log", "seed", "maps", "joins", "cand", "pcs", "passages", "sessions", "poses", "left out", "error m", "slam m",
+      "ratio", "differ m", "seconds", "slam s", "areas", "d", "m", "x", "wrong");
 }
 
 std::string LogLine(const LogRun& run, const LogResult& result) {
   const auto metres = [](const std::optional<TrajectoryError>& error) {
     return error && error->used > 0 ? fmt::format("{:.3f}", error->metres) : std::string("-");
   };
-  return fmt::format(
+  std::string line = fmt::format(
       "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7.1f} {:>7.1f}",
       run.log.filename().string(), run.seed, result.maps, result.joins, result.candidates, result.components,
       result.passages, result.sessions, result.poses, result.left_out, metres(result.error), metres(result.slam_error),
       result.ratio() ? fmt::format("{:.2f}", *result.ratio()) : "-", metres(result.difference), result.seconds,
       result.slam_seconds);
+  if (result.rooms) {
+    line += fmt::format("  {:>6} {:>2} {:>2} {:>2}  {}", result.rooms->areas, result.rooms->areas_doubled,
+                        result.rooms->areas_missing, result.rooms->maps_extra, fmt::join(result.rooms->wrong, "; "));
+  }
+  return line;
 }
 
 nlohmann::json ToJson(const LogRun& run, const LogResult& result) {
@@ -188,6 +195,15 @@ nlohmann::json ToJson(const LogRun& run, const LogResult& result) {
                           {"degrees", measured->degrees},
                           {"used", measured->used},
                           {"skipped", measured->skipped}};
+  };
+  const auto rooms = [&]() -> nlohmann::json {
+    if (!result.rooms) return nullptr;
+    return {{"areas", result.rooms->areas},
+            {"areas_doubled", result.rooms->areas_doubled},
+            {"areas_missing", result.rooms->areas_missing},
+            {"maps_merged", result.rooms->maps_merged},
+            {"maps_extra", result.rooms->maps_extra},
+            {"wrong", result.rooms->wrong}};
   };
   return {{"log", run.log.string()},
           {"seed", run.seed},
@@ -205,6 +221,7 @@ nlohmann::json ToJson(const LogRun& run, const LogResult& result) {
           {"slam_error", error(result.slam_error)},
           {"ratio", result.ratio() ? nlohmann::json(*result.ratio()) : nlohmann::json()},
           {"difference", error(result.difference)},
+          {"rooms", rooms()},
           {"seconds", result.seconds},
           {"slam_seconds", result.slam_seconds},
           {"verdicts", result.verdicts}};

@@ -12,7 +12,7 @@
 
 #include "core/grid/files/plan_image.h"
 #include "io/file.h"
-#include "tests/support/room_scores.h"
+#include "tests/support/rooms/room_scores.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/core/rooms/drawn_rooms.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/room_scores.h"
+#include "tests/support/rooms/room_scores.h"
 
 #include <algorithm>
 #include <map>
