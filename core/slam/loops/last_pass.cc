@@ -34,6 +34,7 @@ LoopCandidate CandidateOf(const UnjoinedPair& pair, const LoopOptions& options) 
   LoopCandidate candidate;
   candidate.submap = pair.earlier;
   candidate.distance = pair.distance;
+  candidate.seen_from_node = false;
   const double drifted = options.last_pass_widening * pair.drifted;
   candidate.half_width = std::min(options.search_base + options.drift_per_metre * drifted, options.max_search);
   candidate.half_angle = std::min(options.search_angle_base + options.yaw_drift_per_metre * drifted, M_PI);

@@ -21,6 +21,9 @@ struct LoopCandidate {
   double half_width = 0.0;  // m
   double half_angle = 0.0;  // rad
   bool is_entry = false;    // an existing map in which the robot has not been found yet
+  // The hits were seen from the node, or from near it: no wall that the submap shows only from the other side is
+  // theirs.
+  bool seen_from_node = true;
 };
 
 // The finished submaps to try for `node`, nearest first. Excluded are the most recent submaps (`min_submap_gap`),

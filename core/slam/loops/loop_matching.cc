@@ -8,6 +8,7 @@
 #include "core/slam/matching/correlative_matcher.h"
 #include "core/slam/matching/local_matching.h"
 #include "core/slam/matching/scan_points.h"
+#include "core/slam/matching/wall_faces.h"
 #include "fmt/format.h"
 
 namespace enfilade::slam {
@@ -37,6 +38,31 @@ std::string FindFault(const Agreement& agreement, const MatchResult& match, doub
                        options.max_sigma);
   }
   return "";
+}
+
+// Refines `found` without hits on the other faces of walls: they pull the scan through the wall. They are no inliers.
+PyramidMatch MatchToFacesSeen(const SearchableSubmap& submap, const std::vector<Eigen::Vector2d>& points,
+                              const PyramidMatch& found, const SlamOptions& options) {
+  const LikelihoodField& field = submap.pyramid.levels.back();
+  const double reach = options.local.field.matched_distance;
+  const auto facing_at = [&](const Pose2& T_submap_robot) {
+    return OnFacesSeen(submap.grid, field, points, T_submap_robot, reach);
+  };
+  const std::vector<Eigen::Vector2d> facing = facing_at(found.match.T_submap_robot);
+  if (facing.size() == points.size()) return found;
+  PyramidMatch refined =
+      MatchToPyramid(submap.pyramid, facing, found.match.T_submap_robot, options.pyramid, options.local.field);
+  if (!refined.inliers_suffice) return refined;
+  const std::vector<Eigen::Vector2d> still_facing = facing_at(refined.match.T_submap_robot);
+  const Agreement agreement = MeasureAgreement(submap.grid, field, still_facing, refined.match.T_submap_robot, reach);
+  const double share = agreement.matched_share * agreement.hits / static_cast<double>(points.size());
+  refined.match.matched_share = share;
+  refined.inliers_suffice = share >= options.pyramid.min_inliers;
+  if (!refined.inliers_suffice) {
+    refined.reason = fmt::format("inlier share {:.2f} below {:.2f} without walls seen from their other side only",
+                                 share, options.pyramid.min_inliers);
+  }
+  return refined;
 }
 
 // Whether a window is so large that another place in it may look like the one found.
@@ -83,7 +109,8 @@ LoopMatch MatchLoop(const SearchableSubmap& submap, const std::vector<Eigen::Vec
                               window.half_width, window.half_angle));
   }
 
-  const PyramidMatch refined = MatchToPyramid(pyramid, points, found.pose, options.pyramid, options.local.field);
+  PyramidMatch refined = MatchToPyramid(pyramid, points, found.pose, options.pyramid, options.local.field);
+  if (refined.inliers_suffice && candidate.seen_from_node) refined = MatchToFacesSeen(submap, points, refined, options);
   result.T_submap_node = refined.match.T_submap_robot;
   result.score = refined.match.matched_share;
   if (!refined.inliers_suffice) return reject(refined.reason);

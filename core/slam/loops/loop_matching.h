@@ -20,9 +20,10 @@ struct LoopMatch {
   std::string reason;                                     // why it was accepted or rejected
 };
 
-// Searches the candidate's window about `guess` and refines the result through the pyramid. Accepts it if the scan
-// fits, few hits lie in known free space, the translation is constrained in all directions, and no other place in the
-// window fits nearly as well. `hits` in the robot's frame.
+// Searches the candidate's window about `guess` and refines the result through the pyramid, in the end without hits on
+// walls that the submap shows only from the other side (matching/wall_faces.h). Accepts it if the scan fits, few hits
+// lie in known free space, the translation is constrained in all directions, and no other place in the window fits
+// nearly as well. `hits` in the robot's frame.
 LoopMatch MatchLoop(const SearchableSubmap& submap, const std::vector<Eigen::Vector2d>& hits, const Pose2& guess,
                     const LoopCandidate& candidate, const SlamOptions& options);
 

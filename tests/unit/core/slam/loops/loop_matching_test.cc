@@ -133,5 +133,52 @@ TEST(MatchLoop, RefusesOneOfSeveralPlacesThatLookAlike) {
   EXPECT_TRUE(sure.accepted) << "within half a metre there is only one: " << sure.reason;
 }
 
+void AddOutline(std::vector<Wall>& walls, double left, double lower, double right, double upper) {
+  const Eigen::Vector2d corners[] = {{left, lower}, {right, lower}, {right, upper}, {left, upper}};
+  for (int i = 0; i < 4; ++i) walls.push_back({corners[i], corners[(i + 1) % 4]});
+}
+
+// A room of 3.7 m by 2.7 m in the middle of a hall, with walls that are 0.15 m thick and have no door.
+std::vector<Wall> RoomInAHall() {
+  std::vector<Wall> walls;
+  AddOutline(walls, 0.0, 0.0, 8.0, 7.0);
+  AddOutline(walls, 2.0, 2.0, 6.0, 5.0);
+  AddOutline(walls, 2.15, 2.15, 5.85, 4.85);
+  return walls;
+}
+const Pose2 kInTheRoom{4.2, 3.3, 0.4};
+const Pose2 kAroundTheRoom[] = {{1.0, 1.0, 0.0}, {7.0, 1.0, 0.0}, {7.0, 3.5, 0.0}, {7.0, 6.0, 0.0}, {1.0, 6.0, 0.0}};
+
+TEST(MatchLoop, RefusesWallsSeenFromTheirOtherSideOnly) {
+  const ScannedPlace hall(RoomInAHall(), {std::begin(kAroundTheRoom), std::end(kAroundTheRoom)});
+  const auto hits = hall.RaysFrom(kInTheRoom).hits;
+  const Pose2 through_two_walls = Pose2{0.15, 0.15, 0.0} * kInTheRoom;
+  LoopCandidate candidate{.half_width = 0.1, .half_angle = 0.1};
+  const LoopMatch match = hall.Look(hits, through_two_walls, candidate);
+  EXPECT_FALSE(match.accepted);
+  EXPECT_THAT(match.reason, HasSubstr("other side"));
+  candidate.seen_from_node = false;
+  EXPECT_TRUE(hall.Look(hits, through_two_walls, candidate).accepted) << "the room fits to its walls' outside";
+}
+
+TEST(MatchLoop, IsNotPulledThroughAWall) {
+  // The room's right wall was seen from the hall only, the others from inside.
+  ScannedPlace hall(RoomInAHall(), {{7.0, 1.0, 0.0}, {7.0, 3.5, 0.0}, {7.0, 6.0, 0.0}});
+  const Pose2 inside{3.0, 3.0, 0.0};
+  grid::ScanRays rays = hall.RaysFrom(inside);
+  std::erase_if(rays.hits, [&](const Eigen::Vector2d& hit) { return (inside * hit).x() > 5.8; });
+  ASSERT_TRUE(hall.grid.Insert(inside, rays).ok());
+  const auto hits = hall.RaysFrom(kInTheRoom).hits;
+  LoopCandidate candidate = kNear;
+  const auto error = [&] {
+    const LoopMatch match = hall.Look(hits, Pose2{0.1, 0.0, 0.0} * kInTheRoom, candidate);
+    EXPECT_TRUE(match.accepted) << match.reason;
+    return (match.T_submap_node.translation() - kInTheRoom.translation()).norm();
+  };
+  EXPECT_LT(error(), 0.015);
+  candidate.seen_from_node = false;
+  EXPECT_GT(error(), 0.03) << "nothing pulls";
+}
+
 }  // namespace
 }  // namespace enfilade::slam
