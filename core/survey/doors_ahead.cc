@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/segments.h"
@@ -26,7 +27,7 @@ constexpr double kDetour = 3.0;   // m from the gap: no farther away does a way 
 bool DoorsAhead::MayBeUnknown(const Sighting& sighting) const {
   if (sighting.gap) {
     const Pose2 T_level_gap = sighting.T_level_robot * sighting.gap->T_place_gap;
-    return !IsPassedDoor(T_level_gap) && !IsInsideRoom(T_level_gap, sighting.gap->width);
+    return !IsPassedDoor(T_level_gap) && !IsInsideRoom(T_level_gap, sighting.gap->width) && !IsBeforeWall(T_level_gap);
   }
   return !IsPassedDoorAhead(sighting.T_level_robot) && !IsOpenAhead(sighting.T_level_robot);
 }
@@ -82,6 +83,19 @@ bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width) const {
   }
   const double area = static_cast<double>(reached.size()) * cell * cell;
   return area < rooms::RoomOptions().min_room || area >= rooms::RoomOptions().small_room;
+}
+
+// Behind the gap is another room, but nothing joins the two there: the gap is a nook before the wall between them.
+bool DoorsAhead::IsBeforeWall(const Pose2& T_level_gap) const {
+  const auto before = GroundBeside(T_level_gap, -1.0);
+  const auto behind = GroundBeside(T_level_gap, 1.0);
+  if (!before || !behind) return false;
+  const std::pair<int, int> rooms = std::minmax({partition_.RoomAt(*before), partition_.RoomAt(*behind)});
+  if (rooms.first == rooms.second) return false;
+  return std::none_of(partition_.doors.begin(), partition_.doors.end(), [&](const rooms::Door& door) {
+    return std::pair(std::minmax({door.rooms[0], door.rooms[1]})) == rooms &&
+           ((door.a + door.b) / 2.0 - T_level_gap.translation()).norm() < options_.same_door;
+  });
 }
 
 // The nearest ground of a room before (`way` -1) or behind (1) the gap. Unset: there is none.

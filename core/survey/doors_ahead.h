@@ -32,6 +32,7 @@ class DoorsAhead {
   bool IsPassed(const rooms::Door& door) const;
   bool IsPassedDoor(const Pose2& T_level_gap) const;
   bool IsInsideRoom(const Pose2& T_level_gap, double width) const;
+  bool IsBeforeWall(const Pose2& T_level_gap) const;
   std::optional<Eigen::Vector2d> GroundBeside(const Pose2& T_level_gap, double way) const;
   std::optional<double> AsideOf(const Eigen::Vector2d& place, const Pose2& T_level_robot) const;
   bool IsPassedDoorAhead(const Pose2& T_level_robot) const;

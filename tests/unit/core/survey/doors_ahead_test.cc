@@ -85,6 +85,14 @@ TEST(DoorsAhead, ABayIsOfItsRoom) {
   EXPECT_FALSE(MayBeUnknown(rooms, SeenAt(4.75, 3.25, 0.5)));
 }
 
+// A nook at the side of a box, and the next room behind the wall.
+TEST(DoorsAhead, ANookBeforeAWallIsNoDoor) {
+  const std::vector<std::string> rows = {"2222222", "2222222", ".......", "111...1", "111...1", "1111111", "1111111"};
+  EXPECT_FALSE(MayBeUnknown(DrawRooms(rows, {}), SeenAt(3.25, 1.75, 0.5)));
+  EXPECT_TRUE(MayBeUnknown(DrawRooms(rows, {{{3.0, 2.25}, {3.5, 2.25}, {1, 2}}}), SeenAt(3.25, 1.75, 0.5)))
+      << "there is a door in the wall";
+}
+
 TEST(DoorsAhead, AGapWithNothingKnownBehindItMayBeADoor) {
   EXPECT_TRUE(MayBeUnknown(DrawRooms({"....", "1111", "1111", "1111"}, {}), SeenAt(1.0, 1.75, 1.0)));
 }
