@@ -6,7 +6,7 @@ namespace enfilade::slam {
 std::vector<Eigen::Vector2d> OnFacesSeen(const SubmapGrid& grid, const LikelihoodField& field,
                                          const std::vector<Eigen::Vector2d>& points, const Pose2& T_submap_robot,
                                          double matched_distance) {
-  constexpr double kBeside = 0.2;  // m from a wall: most are thicker than a cell, and the ground there has been seen
+  constexpr double kBeside = 0.2;  // m, farther than noise and a blurred wall reach
   const auto is_free = [&](const Eigen::Vector2d& p_submap) {
     const auto value = grid.log_odds().ValueAt(grid.log_odds().CellOf(p_submap));
     return value != grid::LogOddsGrid::kUnknown && value < 0;

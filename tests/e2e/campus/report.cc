@@ -164,9 +164,8 @@ nlohmann::json ToJson(const CampusTotals& totals) {
 
 std::string LogHeader() {
   return fmt::format(
-      "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7} {:>7}  {:>6} "
-      "{:>2} "
-      "{:>2} {:>2}  {}",
+      "{:<28} {:>4}  {:>4} {:>5} {:>4} {:>3}  {:>8} {:>8}  {:>6} {:>8}  {:>8} {:>8} {:>6} {:>8}  {:>7} {:>7}"
+      "  {:>6} {:>2} {:>2} {:>2}  {}",
       "log", "seed", "maps", "joins", "cand", "pcs", "passages", "sessions", "poses", "left out", "error m", "slam m",
       "ratio", "differ m", "seconds", "slam s", "areas", "d", "m", "x", "wrong");
 }
