@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "core/geometry/segments.h"
@@ -27,7 +26,7 @@ constexpr double kDetour = 3.0;   // m from the gap: no farther away does a way 
 bool DoorsAhead::MayBeUnknown(const Sighting& sighting) const {
   if (sighting.gap) {
     const Pose2 T_level_gap = sighting.T_level_robot * sighting.gap->T_place_gap;
-    return !IsPassedDoor(T_level_gap) && !IsInsideRoom(T_level_gap, sighting.gap->width) && !IsBeforeWall(T_level_gap);
+    return !IsPassedDoor(T_level_gap) && !LeadsNowhere(T_level_gap, sighting.gap->width);
   }
   return !IsPassedDoorAhead(sighting.T_level_robot) && !IsOpenAhead(sighting.T_level_robot);
 }
@@ -50,26 +49,41 @@ bool DoorsAhead::IsPassedDoor(const Pose2& T_level_gap) const {
   });
 }
 
-// Both sides are one room, and what lies behind the gap is not just a glimpse of another one. A glimpse counts as
-// ground of the room before the gap, too, but only the gap joins the two. Less than min_room is a nook; from small_room
-// on, the partition has judged that there is no door.
-bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width) const {
+// Both sides of the gap are known, and no unknown door parts them.
+bool DoorsAhead::LeadsNowhere(const Pose2& T_level_gap, double width) const {
   const auto before = GroundBeside(T_level_gap, -1.0);
   const auto behind = GroundBeside(T_level_gap, 1.0);
   if (!before || !behind) return false;
   const int room = partition_.RoomAt(*before);
-  if (partition_.RoomAt(*behind) != room) return false;
+  const int other = partition_.RoomAt(*behind);
+  // Where nothing joins two rooms, the gap is a nook before the wall between them.
+  return room == other ? IsInsideRoom(T_level_gap, width, *before, *behind) : !IsJoinedAt(T_level_gap, room, other);
+}
+
+bool DoorsAhead::IsJoinedAt(const Pose2& T_level_gap, int room, int other) const {
+  return std::any_of(partition_.doors.begin(), partition_.doors.end(), [&](const rooms::Door& door) {
+    return std::minmax(door.rooms[0], door.rooms[1]) == std::minmax(room, other) &&
+           ((door.a + door.b) / 2.0 - T_level_gap.translation()).norm() < options_.same_door;
+  });
+}
+
+// What lies behind the gap, in the same room as what lies before it, is not just a glimpse of another one. A glimpse
+// counts as ground of the room before the gap, too, but only the gap joins the two. Less than min_room is a nook; from
+// small_room on, the partition has judged that there is no door.
+bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width, const Eigen::Vector2d& before,
+                              const Eigen::Vector2d& behind) const {
+  const int room = partition_.RoomAt(before);
   const double cell = partition_.geometry.resolution;
   const Eigen::Vector2d left = T_level_gap * Eigen::Vector2d(0.0, width / 2.0 + kPost);
   const Eigen::Vector2d right = T_level_gap * Eigen::Vector2d(0.0, -width / 2.0 - kPost);
   // Cells are counted from the ground behind the gap, along the axes of the partition's grid.
-  const Pose2 T_level_start{behind->x(), behind->y(), partition_.geometry.T_map_grid.yaw};
+  const Pose2 T_level_start{behind.x(), behind.y(), partition_.geometry.T_map_grid.yaw};
   const auto is_open = [&](const std::array<int, 2>& at) {
     const Eigen::Vector2d place = T_level_start * Eigen::Vector2d(at[0] * cell, at[1] * cell);
     return (place - T_level_gap.translation()).norm() < kDetour && partition_.RoomAt(place) == room &&
            DistanceToSegment(place, left, right) > kSealed * cell;
   };
-  const Eigen::Vector2d goal = Inverse(T_level_start) * *before / cell;
+  const Eigen::Vector2d goal = Inverse(T_level_start) * before / cell;
   std::set<std::array<int, 2>> reached = {{0, 0}};
   std::vector<std::array<int, 2>> open = {{0, 0}};
   while (!open.empty()) {
@@ -83,19 +97,6 @@ bool DoorsAhead::IsInsideRoom(const Pose2& T_level_gap, double width) const {
   }
   const double area = static_cast<double>(reached.size()) * cell * cell;
   return area < rooms::RoomOptions().min_room || area >= rooms::RoomOptions().small_room;
-}
-
-// Behind the gap is another room, but nothing joins the two there: the gap is a nook before the wall between them.
-bool DoorsAhead::IsBeforeWall(const Pose2& T_level_gap) const {
-  const auto before = GroundBeside(T_level_gap, -1.0);
-  const auto behind = GroundBeside(T_level_gap, 1.0);
-  if (!before || !behind) return false;
-  const std::pair<int, int> rooms = std::minmax({partition_.RoomAt(*before), partition_.RoomAt(*behind)});
-  if (rooms.first == rooms.second) return false;
-  return std::none_of(partition_.doors.begin(), partition_.doors.end(), [&](const rooms::Door& door) {
-    return std::pair(std::minmax({door.rooms[0], door.rooms[1]})) == rooms &&
-           ((door.a + door.b) / 2.0 - T_level_gap.translation()).norm() < options_.same_door;
-  });
 }
 
 // The nearest ground of a room before (`way` -1) or behind (1) the gap. Unset: there is none.

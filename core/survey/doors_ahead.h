@@ -31,8 +31,10 @@ class DoorsAhead {
  private:
   bool IsPassed(const rooms::Door& door) const;
   bool IsPassedDoor(const Pose2& T_level_gap) const;
-  bool IsInsideRoom(const Pose2& T_level_gap, double width) const;
-  bool IsBeforeWall(const Pose2& T_level_gap) const;
+  bool LeadsNowhere(const Pose2& T_level_gap, double width) const;
+  bool IsInsideRoom(const Pose2& T_level_gap, double width, const Eigen::Vector2d& before,
+                    const Eigen::Vector2d& behind) const;
+  bool IsJoinedAt(const Pose2& T_level_gap, int room, int other) const;
   std::optional<Eigen::Vector2d> GroundBeside(const Pose2& T_level_gap, double way) const;
   std::optional<double> AsideOf(const Eigen::Vector2d& place, const Pose2& T_level_robot) const;
   bool IsPassedDoorAhead(const Pose2& T_level_robot) const;

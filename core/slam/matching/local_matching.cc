@@ -89,8 +89,7 @@ Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
     const Eigen::Vector2d q = T_submap_robot * p;
     if (field.At(q).squared_distance <= matched_distance * matched_distance) {
       agreement.matched_share += share;
-    } else if (const auto value = grid.log_odds().ValueAt(grid.log_odds().CellOf(q));
-               value != grid::LogOddsGrid::kUnknown && value < 0) {
+    } else if (grid.IsFree(grid.log_odds().CellOf(q))) {
       agreement.contradicted_share += share;
     }
   }

@@ -7,10 +7,7 @@ std::vector<Eigen::Vector2d> OnFacesSeen(const SubmapGrid& grid, const Likelihoo
                                          const std::vector<Eigen::Vector2d>& points, const Pose2& T_submap_robot,
                                          double matched_distance) {
   constexpr double kBeside = 0.2;  // m, farther than noise and a blurred wall reach
-  const auto is_free = [&](const Eigen::Vector2d& p_submap) {
-    const auto value = grid.log_odds().ValueAt(grid.log_odds().CellOf(p_submap));
-    return value != grid::LogOddsGrid::kUnknown && value < 0;
-  };
+  const auto is_free = [&](const Eigen::Vector2d& p_submap) { return grid.IsFree(grid.log_odds().CellOf(p_submap)); };
   std::vector<Eigen::Vector2d> facing;
   for (const Eigen::Vector2d& p : points) {
     const Eigen::Vector2d p_submap = T_submap_robot * p;

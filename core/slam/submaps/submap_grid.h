@@ -44,6 +44,11 @@ class SubmapGrid {
   // By row and column, each cell once. A cell with hits is occupied only while its log-odds are positive.
   const Hits& hits() const { return hits_; }
   bool IsOccupied(grid::CellIndex cell) const { return log_odds_.ValueAt(cell) > 0; }
+  // Known to be free, as far as the log-odds tell.
+  bool IsFree(grid::CellIndex cell) const {
+    const auto value = log_odds_.ValueAt(cell);
+    return value != grid::LogOddsGrid::kUnknown && value < 0;
+  }
   // Calls visit(cell, mean) for the occupied cells from column and row `low` to `high`, both included, row by row.
   template <typename Visit>
   void VisitOccupied(grid::CellIndex low, grid::CellIndex high, Visit&& visit) const {

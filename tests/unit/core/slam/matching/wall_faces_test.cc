@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "core/slam/matching/local_matching.h"
 #include "core/slam/submaps/robot_rays.h"
