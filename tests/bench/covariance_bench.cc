@@ -8,7 +8,8 @@
 // show; half the beams are less accurate than all. Published relations have errors of their own, often larger than
 // SLAM's.) By the distance driven between the scans: `nees` is the mean normalised squared error divided by its degrees
 // of freedom (1 is right), `inside` the share of errors within the 95 % ellipsoid (Bar-Shalom, Li, Kirubarajan 2001,
-// section 5.4).
+// section 5.4). `while_driving`: the robot's pose relative to its first one, as it was known at each twentieth scan, by
+// the distance driven until then.
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Cholesky>
@@ -18,6 +19,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -28,6 +30,7 @@
 #include "client/simulator/simulation.h"
 #include "core/slam/loops/slam_graph.h"
 #include "core/slam/mapper/mapper.h"
+#include "core/slam/mapper/present_pose.h"
 #include "core/slam/state/checkpoint.h"
 #include "fmt/format.h"
 #include "tests/bench/support/recorded_scans.h"
@@ -130,10 +133,44 @@ T OrThrow(absl::StatusOr<T> result) {
   return *std::move(result);
 }
 
-Mapping MapScans(const std::vector<sensor::PairedScan>& scans) {
+// The robot's poses as they are known while it drives, relative to the first one.
+class PresentPoses {
+ public:
+  PresentPoses(const std::map<TimeNs, Pose2>& truth, Tallies& tallies) : truth_(truth), tallies_(tallies) {}
+
+  // After each scan.
+  void Add(const slam::Mapper& mapper) {
+    constexpr int kEvery = 20;  // scans
+    const std::optional<slam::PresentPose> present = mapper.FindPresentPose();
+    if (!present || present->lost) return;
+    const auto truth = truth_.find(present->time);
+    if (truth == truth_.end()) return;
+    if (!begin_) begin_ = truth->second * Inverse(present->T_map_robot.pose);
+    if (last_) driven_ += Between(*last_, truth->second).translation().norm();
+    last_ = truth->second;
+    if (++scans_ % kEvery != 0) return;
+    const Pose2 right = Between(*begin_, truth->second);
+    const Pose2& pose = present->T_map_robot.pose;
+    tallies_.Add(driven_, {pose.x - right.x, pose.y - right.y, WrapAngle(pose.yaw - right.yaw)},
+                 present->T_map_robot.covariance);
+  }
+
+ private:
+  const std::map<TimeNs, Pose2>& truth_;
+  Tallies& tallies_;
+  std::optional<Pose2> begin_;  // T_campus_map
+  std::optional<Pose2> last_;
+  double driven_ = 0.0;
+  int scans_ = 0;
+};
+
+Mapping MapScans(const std::vector<sensor::PairedScan>& scans, PresentPoses* present = nullptr) {
   const slam::SlamOptions options;
   slam::Mapper mapper(options);
-  for (const sensor::PairedScan& scan : scans) mapper.AddScan(scan);
+  for (const sensor::PairedScan& scan : scans) {
+    mapper.AddScan(scan);
+    if (present != nullptr) present->Add(mapper);
+  }
   mapper.Finish();
   slam::SlamMap map;
   map.Apply(mapper.TakeDelta());
@@ -244,7 +281,8 @@ void MeasureHalves(const std::vector<sensor::PairedScan>& scans, Tallies& tallie
   Measure(mapping, ChoosePairs(known, &other), tallies);
 }
 
-void MeasureBuilding(std::uint64_t seed, const simulator::SimulationOptions& simulation, Tallies& tallies) {
+void MeasureBuilding(std::uint64_t seed, const simulator::SimulationOptions& simulation, Tallies& tallies,
+                     Tallies& present_tallies) {
   simulator::Campus campus = simulator::RandomBuilding(seed);
   const std::string robot = campus.robots.front().id;
   const auto world = std::make_shared<const simulator::World>(std::move(campus));
@@ -260,7 +298,8 @@ void MeasureBuilding(std::uint64_t seed, const simulator::SimulationOptions& sim
   pairing.Flush(scans);
   std::map<TimeNs, Pose2> truth;
   for (const simulator::TruePose& pose : drive.truth.poses) truth.emplace(pose.time, pose.T_campus_robot);
-  const Mapping mapping = MapScans(scans);
+  PresentPoses present(truth, present_tallies);
+  const Mapping mapping = MapScans(scans, &present);
   Measure(mapping, ChoosePairs(KnownScans(mapping, truth), nullptr), tallies);
 }
 
@@ -321,10 +360,14 @@ int main(int argc, char** argv) {
   try {
     nlohmann::json report;
     bench::Tallies by_truth;
+    bench::Tallies present;
     for (int i = 0; i < buildings; ++i) {
-      bench::MeasureBuilding(first_seed + static_cast<std::uint64_t>(i), simulation, by_truth);
+      bench::MeasureBuilding(first_seed + static_cast<std::uint64_t>(i), simulation, by_truth, present);
     }
-    if (buildings > 0) report["buildings"] = by_truth.ToJson();
+    if (buildings > 0) {
+      report["buildings"] = by_truth.ToJson();
+      report["while_driving"] = present.ToJson();
+    }
     if (!log.empty()) {
       bench::Tallies of_log;
       bench::MeasureLog(bench::OrThrow(bench::ReadPairedScans(log, !no_odometry)), relations, reference, of_log);

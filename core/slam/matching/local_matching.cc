@@ -35,7 +35,7 @@ bool IsBetter(const LocalMatch& match, const LocalMatch& nearer, const LocalMatc
 LocalMatch MatchFrom(const LocalMap& map, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
                      const PosePrior& prior, const LocalMatchOptions& options) {
   LocalMatch result;
-  result.match = MatchToField(map.fields.field, points, guess, prior, options.field);
+  result.match = MatchToField(map.fields.field, points, guess, prior, options.field, SurfaceNormals(points));
   result.agreement =
       MeasureAgreement(map.grid, map.fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
   result.good = result.agreement.matched_share >= options.min_matched_share &&

@@ -64,23 +64,35 @@ double ResidualOf(std::vector<double>& squared_distances) {
 }  // namespace
 
 MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& pose,
-                        const PosePrior& prior, const FieldMatchOptions& options) {
+                        const PosePrior& prior, const FieldMatchOptions& options,
+                        const std::vector<Eigen::Vector2d>& normals) {
   MatchCost cost;
   const double c = std::cos(pose.yaw);
   const double s = std::sin(pose.yaw);
   const double width2 = options.kernel_width * options.kernel_width;
   const double inverse_sigma2 = 1.0 / (options.sigma * options.sigma);
   const double beam_weight = BeamWeight(points.size(), options);
-  for (const Eigen::Vector2d& p : points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d& p = points[i];
     const Eigen::Vector2d turned(c * p.x() - s * p.y(), s * p.x() + c * p.y());
     const LikelihoodField::Sample sample = field.At(turned + pose.translation());
-    const double r2 = sample.squared_distance * inverse_sigma2;
-    cost.value += beam_weight * width2 * std::log1p(r2 / width2);
+    double d2 = sample.squared_distance;
     // Half the gradient of d^2 is d times the unit vector away from the wall, in which d^2 is a parabola.
-    const Eigen::Vector2d away = 0.5 * sample.gradient;
+    Eigen::Vector2d away = 0.5 * sample.gradient;
+    double point_weight = beam_weight;
+    if (!normals.empty() && !normals[i].isZero()) {
+      const Eigen::Vector2d normal(c * normals[i].x() - s * normals[i].y(), s * normals[i].x() + c * normals[i].y());
+      const double along = normal.dot(away);
+      const double across2 = std::max(0.0, away.squaredNorm() - along * along);
+      point_weight /= 1.0 + across2 * inverse_sigma2 / width2;
+      d2 = std::max(0.0, d2 - across2);
+      away = along * normal;
+    }
+    const double r2 = d2 * inverse_sigma2;
+    cost.value += point_weight * width2 * std::log1p(r2 / width2);
     const double distance = away.norm();
     if (distance < kOnTheWall) continue;
-    const double weight = beam_weight * inverse_sigma2 / (1.0 + r2 / width2);
+    const double weight = point_weight * inverse_sigma2 / (1.0 + r2 / width2);
     const Eigen::Vector3d J =
         Eigen::Vector3d(away.x(), away.y(), away.y() * turned.x() - away.x() * turned.y()) / distance;
     cost.gradient += weight * distance * J;
@@ -94,11 +106,12 @@ MatchCost EvaluateMatch(const LikelihoodField& field, const std::vector<Eigen::V
 }
 
 MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
-                         const PosePrior& prior, const FieldMatchOptions& options) {
+                         const PosePrior& prior, const FieldMatchOptions& options,
+                         const std::vector<Eigen::Vector2d>& normals) {
   MatchResult result;
   result.T_submap_robot = guess;
   if (points.empty()) return result;
-  MatchCost cost = EvaluateMatch(field, points, guess, prior, options);
+  MatchCost cost = EvaluateMatch(field, points, guess, prior, options, normals);
   double damping = 1e-3;
   for (; result.iterations < options.max_iterations && !result.converged; ++result.iterations) {
     Eigen::Matrix3d damped = cost.hessian;
@@ -106,7 +119,7 @@ MatchResult MatchToField(const LikelihoodField& field, const std::vector<Eigen::
     const Eigen::Vector3d step = -damped.ldlt().solve(cost.gradient);
     const Pose2 next{result.T_submap_robot.x + step.x(), result.T_submap_robot.y + step.y(),
                      WrapAngle(result.T_submap_robot.yaw + step.z())};
-    const MatchCost next_cost = EvaluateMatch(field, points, next, prior, options);
+    const MatchCost next_cost = EvaluateMatch(field, points, next, prior, options, normals);
     if (next_cost.value < cost.value) {
       result.converged = step.head<2>().norm() < kSmallStep && std::abs(step.z()) < kSmallTurn;
       result.T_submap_robot = next;

@@ -128,5 +128,26 @@ TEST(MatchToField, IsNotFooledByNoiseAlongAWall) {
   EXPECT_GT(match.information(1, 1), 1e4) << "across: 60 beams of 5 cm";
 }
 
+// The robot has turned left: of the wall on its left, which is known up to x = 1 m, the scan shows more.
+TEST(MatchToField, IsNotPulledToTheEndOfAKnownWallWhereNormalsAreKnown) {
+  LikelihoodField field(0.05, 0.5);
+  std::vector<Eigen::Vector2d> walls;
+  for (double x = -3; x < 3; x += 0.02) {
+    if (x < 1) walls.emplace_back(x, 1.0);
+    walls.emplace_back(x, -2.0);
+  }
+  for (double y = -2; y < 0; y += 0.02) walls.emplace_back(-3.0, y);
+  field.Add(walls);
+  std::vector<Eigen::Vector2d> points;
+  for (double y = -2; y < 0; y += 0.06) points.emplace_back(-3.0, y);
+  for (double x = -3; x < 2; x += 0.06) points.emplace_back(x, 1.0);
+  for (double x = -3; x < 3; x += 0.06) points.emplace_back(x, -2.0);
+  const MatchResult pulled = MatchToField(field, points, {}, {}, {});
+  EXPECT_GT(pulled.T_submap_robot.translation().norm(), 0.005) << "else this tells nothing";
+  const MatchResult match = MatchToField(field, points, {0.03, 0.03, 0.01}, {}, {}, SurfaceNormals(points));
+  EXPECT_THAT(match.T_submap_robot, PoseNear(Pose2{}, 0.002, 0.0005));
+  EXPECT_LT(match.T_submap_robot.translation().norm(), 0.3 * pulled.T_submap_robot.translation().norm());
+}
+
 }  // namespace
 }  // namespace enfilade::slam

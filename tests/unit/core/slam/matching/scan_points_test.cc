@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace enfilade::slam {
@@ -63,6 +64,29 @@ TEST(Subsampled, IsEvenlySpacedAndNeverLongerThanAsked) {
     const std::size_t step = (size + 9) / 10;
     for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_EQ(kept[i], points[i * std::max<std::size_t>(step, 1)]);
   }
+}
+
+TEST(SurfaceNormals, StandOnStraightSurfacesAndAreUnknownElsewhere) {
+  constexpr double kTurn = 0.4;  // rad
+  const Eigen::Vector2d along(std::cos(kTurn), std::sin(kTurn));
+  const Eigen::Vector2d across(-along.y(), along.x());
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 20; ++i) points.push_back(0.06 * i * along + (i % 2 == 0 ? 0.008 : -0.008) * across);
+  points.push_back(20.0 * across);  // alone
+  const std::size_t of_post = points.size();
+  for (int i = 0; i < 6; ++i) {  // round a post
+    points.push_back(9.0 * across + 0.1 * Eigen::Vector2d(std::cos(0.6 * i), std::sin(0.6 * i)));
+  }
+  const std::vector<Eigen::Vector2d> normals = SurfaceNormals(points);
+  ASSERT_EQ(normals.size(), points.size());
+  for (std::size_t i = 0; i < 20; ++i) {
+    EXPECT_NEAR(normals[i].norm(), 1.0, 1e-9);
+    EXPECT_GT(std::abs(normals[i].dot(across)), std::cos(0.1)) << i;
+  }
+  EXPECT_TRUE(normals[of_post - 1].isZero());
+  for (std::size_t i = of_post; i < points.size(); ++i) EXPECT_TRUE(normals[i].isZero()) << i;
+  EXPECT_TRUE(SurfaceNormals({}).empty());
+  EXPECT_TRUE(SurfaceNormals({{1, 0}, {1, 0.06}})[0].isZero()) << "two points are no surface";
 }
 
 }  // namespace
