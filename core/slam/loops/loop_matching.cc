@@ -76,8 +76,9 @@ std::string FindAmbiguity(const SearchTable& table, const std::vector<Eigen::Vec
   window.excluded = found.pose;
   window.excluded_distance = options.ambiguity_distance;
   window.excluded_angle = options.ambiguity_angle;
+  window.relevant_score = options.max_ambiguity * found.score;
   const SearchResult other = SearchPose(table, points, window);
-  if (other.score <= options.max_ambiguity * found.score) return "";
+  if (other.score <= window.relevant_score) return "";
   return fmt::format("another place {:.1f} m away scores {:.2f}, this one {:.2f}",
                      Between(found.pose, other.pose).translation().norm(), other.score, found.score);
 }

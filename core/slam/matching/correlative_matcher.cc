@@ -8,6 +8,7 @@ namespace enfilade::slam {
 namespace {
 
 constexpr double kPriorWeight = 0.02;  // one sigma away costs as much as 2 % of the points
+constexpr double kRounding = 1e-9;     // of a score
 
 // The points as cells, with the robot at the window's centre and one of the searched yaws.
 struct TurnedScan {
@@ -39,10 +40,16 @@ class Search {
     std::vector<Candidate> roots;
     for (int scan = 0; scan < static_cast<int>(scans_.size()); ++scan) {
       for (int dy = -reach_; dy <= reach_; dy += size) {
-        for (int dx = -reach_; dx <= reach_; dx += size) roots.push_back(Bounded({scan, top, dx, dy, 0.0}));
+        for (int dx = -reach_; dx <= reach_; dx += size) {
+          const Candidate root{scan, top, dx, dy, 0.0};
+          if (!IsExcluded(root)) roots.push_back(Bounded(root));
+        }
       }
     }
     best_.bound = window_.min_score > 0.0 ? window_.min_score : -1e9;
+    if (window_.relevant_score > 0.0) {
+      best_.bound = std::max(best_.bound, window_.relevant_score - HighestPriorCost() - kRounding);
+    }
     best_.level = -1;
     Descend(roots);
     if (best_.level < 0) return {window_.centre, 0.0};
@@ -96,6 +103,12 @@ class Search {
            kPriorWeight * (dx * dx + dy * dy) / (window_.sigma_translation * window_.sigma_translation);
   }
 
+  // Of all poses in the window.
+  double HighestPriorCost() const {
+    const double far = reach_ * table_.resolution() / window_.sigma_translation;
+    return scans_.front().prior_cost + kPriorWeight * 2.0 * far * far;
+  }
+
   Candidate Bounded(Candidate candidate) const {
     const SearchTable::View view = table_.ViewOf(candidate.level);
     int sum = 0;
@@ -106,12 +119,19 @@ class Search {
     return candidate;
   }
 
+  // Whether all poses of the candidate's block are. Otherwise the search would look at each of them: the surroundings
+  // of the best pose score higher than all that is sought.
   bool IsExcluded(const Candidate& candidate) const {
     if (!window_.excluded) return false;
-    const double x = window_.centre.x + candidate.dx * table_.resolution() - window_.excluded->x;
-    const double y = window_.centre.y + candidate.dy * table_.resolution() - window_.excluded->y;
     const double yaw = scans_[static_cast<std::size_t>(candidate.scan)].yaw - window_.excluded->yaw;
-    return std::hypot(x, y) < window_.excluded_distance && std::abs(WrapAngle(yaw)) < window_.excluded_angle;
+    if (std::abs(WrapAngle(yaw)) >= window_.excluded_angle) return false;
+    const int last = (1 << candidate.level) - 1;
+    const double r = table_.resolution();
+    const auto farthest = [&](double centre, int offset, double excluded) {
+      return std::max(std::abs(centre + offset * r - excluded), std::abs(centre + (offset + last) * r - excluded));
+    };
+    return std::hypot(farthest(window_.centre.x, candidate.dx, window_.excluded->x),
+                      farthest(window_.centre.y, candidate.dy, window_.excluded->y)) < window_.excluded_distance;
   }
 
   // Depth first, best bound first. Ties go to the candidate created first, so that the result is deterministic.
@@ -121,7 +141,6 @@ class Search {
     for (const Candidate& candidate : candidates) {
       if (candidate.bound <= best_.bound) return;
       if (candidate.level == 0) {
-        if (IsExcluded(candidate)) continue;
         best_ = candidate;
         return;
       }
@@ -130,7 +149,8 @@ class Search {
       for (const int dy : {candidate.dy, candidate.dy + half}) {
         for (const int dx : {candidate.dx, candidate.dx + half}) {
           if (dx > reach_ || dy > reach_) continue;
-          parts.push_back(Bounded({candidate.scan, candidate.level - 1, dx, dy, 0.0}));
+          const Candidate part{candidate.scan, candidate.level - 1, dx, dy, 0.0};
+          if (!IsExcluded(part)) parts.push_back(Bounded(part));
         }
       }
       Descend(parts);

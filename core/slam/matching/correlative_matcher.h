@@ -18,6 +18,8 @@ struct SearchWindow {
   double sigma_translation = 1e9;  // m
   double sigma_yaw = 1e9;          // rad
   double min_score = 0.0;          // poses that score less are not found
+  // Nor need poses that score no more than this be found: the search may return any of them, or none.
+  double relevant_score = 0.0;
   // Poses nearer than this to `excluded`, in both distance and angle, are left out.
   std::optional<Pose2> excluded = std::nullopt;
   double excluded_distance = 0.0;  // m

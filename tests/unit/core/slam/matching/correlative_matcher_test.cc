@@ -163,5 +163,36 @@ TEST(SearchPose, FindsNothingBelowTheMinimumAndNothingExcluded) {
   EXPECT_TRUE(off.translation().norm() >= 0.3 || std::abs(off.yaw) >= 0.2);
 }
 
+TEST(SearchPose, FindsTheSameWhereItScoresMoreThanIsRelevant) {
+  const Pose2 truth{1.3, 1.1, 0.1};
+  SearchWindow window{
+      .centre = truth, .half_width = 1.0, .half_angle = 0.3, .sigma_translation = 1.0, .sigma_yaw = 0.3};
+  window.excluded = truth;
+  window.excluded_distance = 0.3;
+  window.excluded_angle = 0.2;
+  const SearchResult other = SearchPose(Table(5), SeenFrom(truth), window);
+  ASSERT_GT(other.score, 0.1);
+  window.relevant_score = other.score - 0.001;
+  const SearchResult same = SearchPose(Table(5), SeenFrom(truth), window);
+  EXPECT_EQ(same.pose, other.pose);
+  EXPECT_EQ(same.score, other.score);
+  window.relevant_score = other.score + 0.1;
+  EXPECT_LE(SearchPose(Table(5), SeenFrom(truth), window).score, window.relevant_score);
+}
+
+TEST(SearchPose, LeavesOutExactlyWhatIsExcluded) {
+  const Pose2 truth{1.3, 1.1, 0.1};
+  SearchWindow window{.centre = truth, .half_width = 0.6, .half_angle = 0.02};
+  window.excluded = truth;
+  window.excluded_angle = 1.0;
+  for (const double distance : {0.12, 0.26, 0.41, 0.58}) {
+    window.excluded_distance = distance;
+    const SearchResult other = SearchPose(Table(5), SeenFrom(truth), window);
+    const double off = Between(truth, other.pose).translation().norm();
+    EXPECT_GE(off, distance);
+    EXPECT_LT(off, distance + 0.1) << "the score falls with the distance";
+  }
+}
+
 }  // namespace
 }  // namespace enfilade::slam
