@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <set>
 
@@ -144,16 +145,20 @@ CellWindow MapRenderer::MappedWindow(const SubmapGrid& grid, const Pose2& T_map_
 }
 
 CellWindow MapRenderer::KnownWindow(const Tiles& tiles) {
+  const auto is_known = [](const Cell& cell) { return cell.known != 0; };
   CellWindow known;
   for (const auto& [index, cells] : tiles) {
     const CellWindow w = WindowOf(index);
     // A tile inside the known window adds nothing.
     if (Union(known, w) == known) continue;
     for (int row = w.min.row; row < w.top(); ++row) {
-      for (int column = w.min.column; column < w.right(); ++column) {
-        if (cells[w.index(column, row)].known == 0) continue;
-        known = Union(known, {{column, row}, 1, 1});
-      }
+      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(w.index(w.min.column, row));
+      const auto end = begin + kTile;
+      const auto first = std::find_if(begin, end, is_known);
+      if (first == end) continue;
+      const auto past_last = std::find_if(std::make_reverse_iterator(end), std::make_reverse_iterator(first), is_known);
+      const auto column = w.min.column + static_cast<int>(first - begin);
+      known = Union(known, {{column, row}, static_cast<int>(past_last.base() - first), 1});
     }
   }
   return known;
@@ -231,23 +236,34 @@ void MapRenderer::AddToTile(Tiles& tiles, const TileIndex& index, const PlacedGr
   if (sign < 0 && sums != nullptr && std::all_of(sums->begin(), sums->end(), unknown)) tiles.erase(index);
 }
 
+const MapRenderer::Cell* MapRenderer::FindCells(const Tiles& tiles, const TileIndex& index) {
+  const auto found = tiles.find(index);
+  return found == tiles.end() ? nullptr : found->second.data();
+}
+
 void MapRenderer::DrawTile(const TileIndex& index, const Tiles& placed, const Tiles& active,
                            grid::OccupancyGrid& grid) const {
   const grid::CellIndex first{static_cast<int>(std::lround(grid.geometry.T_map_grid.x / resolution_)),
                               static_cast<int>(std::lround(grid.geometry.T_map_grid.y / resolution_))};
   const CellWindow tile = WindowOf(index);
   const CellWindow w = Intersection(tile, {first, grid.geometry.width, grid.geometry.height});
-  const auto a = placed.find(index);
-  const auto b = active.find(index);
-  for (int row = w.min.row; row < w.top(); ++row) {
-    for (int column = w.min.column; column < w.right(); ++column) {
-      const Cell x = a == placed.end() ? Cell{} : a->second[tile.index(column, row)];
-      const Cell y = b == active.end() ? Cell{} : b->second[tile.index(column, row)];
-      if (x.known + y.known == 0) continue;
-      const std::int32_t sum = std::clamp(x.log_odds + y.log_odds, lowest_, highest_);
-      grid.cells[grid.geometry.index(column - first.column, row - first.row)] =
-          cell_of_[static_cast<std::size_t>(sum - lowest_)];
+  const auto draw = [&](auto&& sum_at) {
+    for (int row = w.min.row; row < w.top(); ++row) {
+      std::uint8_t* const to = &grid.cells[grid.geometry.index(w.min.column - first.column, row - first.row)];
+      const std::size_t from = tile.index(w.min.column, row);
+      for (int i = 0; i < w.width; ++i) {
+        const Cell cell = sum_at(from + static_cast<std::size_t>(i));
+        if (cell.known == 0) continue;
+        to[i] = cell_of_[static_cast<std::size_t>(std::clamp(cell.log_odds, lowest_, highest_) - lowest_)];
+      }
     }
+  };
+  const Cell* const a = FindCells(placed, index);
+  const Cell* const b = FindCells(active, index);
+  if (a != nullptr && b != nullptr) {
+    draw([=](std::size_t i) { return Cell{a[i].log_odds + b[i].log_odds, a[i].known + b[i].known}; });
+  } else {
+    draw([cells = a != nullptr ? a : b](std::size_t i) { return cells[i]; });
   }
 }
 

@@ -55,6 +55,8 @@ class MapRenderer {
   static CellWindow WindowOf(const TileIndex& tile);
   static CellWindow MappedWindow(const SubmapGrid& grid, const Pose2& T_map_submap);
   static CellWindow KnownWindow(const Tiles& tiles);
+  // Null: there is no such tile.
+  static const Cell* FindCells(const Tiles& tiles, const TileIndex& index);
 
   Pose2 Rounded(const Pose2& pose) const;
   // `sign` +1 adds the submap's cells to the sums, -1 subtracts them.
