@@ -48,11 +48,19 @@ class RowEnvelope {
       return d * d;
     };
     const auto value = [&](int x, int column) { return std::int64_t{x - column} * (x - column) + height(column); };
+    const auto is_marked = [&](int column) { return rows_[IndexOf(width_, column, row)] == row; };
     std::size_t top = 0;
     site_[0] = 0;
     from_[0] = 0;
     bool empty = false;
     for (int u = 1; u < width_; ++u) {
+      // Among marked cells each is its own nearest: in most maps most cells are unknown, and marked.
+      if (site_[top] == u - 1 && from_[top] < u && is_marked(u) && is_marked(u - 1)) {
+        ++top;
+        site_[top] = u;
+        from_[top] = u;
+        continue;
+      }
       while (!empty && value(from_[top], site_[top]) > value(from_[top], u)) {
         empty = top == 0;
         if (!empty) --top;
@@ -73,6 +81,12 @@ class RowEnvelope {
     }
     for (int x = width_ - 1; x >= 0; --x) {
       const std::size_t cell = IndexOf(width_, x, row);
+      if (site_[top] == x && is_marked(x)) {
+        field.distance[cell] = 0.0F;
+        field.nearest[cell] = static_cast<std::uint32_t>(cell);
+        if (x == from_[top] && top > 0) --top;
+        continue;
+      }
       const std::int64_t squared = value(x, site_[top]);
       field.distance[cell] = static_cast<float>(std::sqrt(static_cast<double>(squared)));
       const std::int32_t nearest_row = rows_[IndexOf(width_, site_[top], row)];

@@ -49,13 +49,22 @@ void FreeTrajectory(const grid::GridGeometry& geometry, std::span<const Eigen::V
   }
 }
 
+// Calls visit(cell) for the cells at the sides of `cell`.
+template <typename Visit>
+void VisitBeside(const GroundMap& ground, std::size_t cell, Visit&& visit) {
+  const auto width = static_cast<std::size_t>(ground.width);
+  if (cell % width > 0) visit(cell - 1);
+  if (cell % width + 1 < width) visit(cell + 1);
+  if (cell >= width) visit(cell - width);
+  if (cell + width < ground.cells.size()) visit(cell + width);
+}
+
 // Steps, up to `limit`, from the cells in `front` through those that `passable` allows; sides only. -1: not reached.
 template <typename Passable>
 std::vector<std::int16_t> StepsFrom(const GroundMap& ground, std::vector<std::size_t> front, int limit,
                                     Passable&& passable) {
   std::vector<std::int16_t> steps(ground.cells.size(), -1);
   for (const std::size_t cell : front) steps[cell] = 0;
-  const auto width = static_cast<std::size_t>(ground.width);
   for (int step = 1; step <= limit && !front.empty(); ++step) {
     std::vector<std::size_t> next;
     const auto visit = [&](std::size_t cell) {
@@ -63,12 +72,7 @@ std::vector<std::int16_t> StepsFrom(const GroundMap& ground, std::vector<std::si
       steps[cell] = static_cast<std::int16_t>(step);
       next.push_back(cell);
     };
-    for (const std::size_t cell : front) {
-      if (cell % width > 0) visit(cell - 1);
-      if (cell % width + 1 < width) visit(cell + 1);
-      if (cell >= width) visit(cell - width);
-      if (cell + width < ground.cells.size()) visit(cell + width);
-    }
+    for (const std::size_t cell : front) VisitBeside(ground, cell, visit);
     front = std::move(next);
   }
   return steps;
@@ -86,9 +90,13 @@ std::vector<std::size_t> CellsOf(const GroundMap& ground, Ground kind) {
 void CloseHoles(GroundMap& ground, int steps) {
   const std::vector<std::int16_t> grown = StepsFrom(ground, CellsOf(ground, Ground::kOpen), steps,
                                                     [&](std::size_t c) { return ground.cells[c] == Ground::kUnknown; });
+  // The unknown cells beside those: what lies farther outside, most of a grid, comes to nothing.
   std::vector<std::size_t> outside;
+  const auto add_outside = [&](std::size_t cell) {
+    if (grown[cell] < 0 && ground.cells[cell] == Ground::kUnknown) outside.push_back(cell);
+  };
   for (std::size_t i = 0; i < grown.size(); ++i) {
-    if (grown[i] < 0 && ground.cells[i] == Ground::kUnknown) outside.push_back(i);
+    if (grown[i] > 0) VisitBeside(ground, i, add_outside);
   }
   const std::vector<std::int16_t> back =
       StepsFrom(ground, std::move(outside), steps, [&](std::size_t c) { return grown[c] > 0; });
