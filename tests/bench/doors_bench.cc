@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Door detection in random simulated buildings, and on a recording with known doors, as JSON on standard output:
 //   bench_doors [--buildings N] [--first-seed S] [--presets a,b] [--intel LOG DOORS] [--list]
+//               [--kind random|suites|halls] [--scan-hz HZ] [--beams N] [--fov DEG]
 // A reported passage is right if the robot really passed a door at most 3 s later or 15 s earlier and at most 2.5 m
 // from the reported place, and no other reported passage is closer to that one. On the recording: if it is within 6 s
 // of a trusted passage.
@@ -18,8 +19,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/simulator/campus/random_building.h"
 #include "client/simulator/simulation.h"
+#include "client/simulator/simulation_files.h"
 #include "core/doors/door_detector.h"
 #include "core/sensor/scan_pairing.h"
 #include "fmt/format.h"
@@ -45,11 +46,13 @@ struct Scenario {
   simulator::GroundTruth truth;
 };
 
-absl::StatusOr<Scenario> Drive(std::uint64_t seed) {
-  simulator::SimulationOptions options;
+absl::StatusOr<Scenario> Drive(const std::string& kind, std::uint64_t seed, simulator::SimulationOptions options) {
   options.seed = seed;
-  const auto world = std::make_shared<const simulator::World>(simulator::RandomBuilding(seed));
-  absl::StatusOr<simulator::Drive> drive = simulator::SimulateDrive(world, "robot", options);
+  absl::StatusOr<simulator::Campus> campus = simulator::LoadCampus(fmt::format("{}:{}", kind, seed));
+  if (!campus.ok()) return campus.status();
+  const std::string robot = campus->robots.front().id;
+  const auto world = std::make_shared<const simulator::World>(*std::move(campus));
+  absl::StatusOr<simulator::Drive> drive = simulator::SimulateDrive(world, robot, options);
   if (!drive.ok()) return drive.status();
   Scenario scenario;
   scenario.truth = std::move(drive->truth);
@@ -232,13 +235,21 @@ int main(int argc, char** argv) {
   std::vector<std::string> intel;
   std::string options_file;
   bool list = false;
+  simulator::SimulationOptions simulation;
+  double field_of_view_deg = 360.0;
+  std::string kind = "random";
   app.add_option("--buildings", buildings)->capture_default_str();
   app.add_option("--first-seed", first_seed)->capture_default_str();
   app.add_option("--presets", presets)->delimiter(',');
   app.add_option("--options", options_file, "YAML over each preset");
   app.add_option("--intel", intel, "LOG DOORS")->expected(2);
+  app.add_option("--kind", kind, "Of the buildings: random, suites or halls")->capture_default_str();
+  app.add_option("--scan-hz", simulation.scan_hz, "Scans of the simulated robots")->capture_default_str();
+  app.add_option("--beams", simulation.scanner.beams, "Of each of these scans")->capture_default_str();
+  app.add_option("--fov", field_of_view_deg, "Of these scans, degrees")->capture_default_str();
   app.add_flag("--list", list, "Each error on standard error");
   CLI11_PARSE(app, argc, argv);
+  simulation.scanner.field_of_view = field_of_view_deg * kDegree;
   const auto fail = [](const absl::Status& status) {
     std::cerr << "bench_doors: " << status.message() << '\n';
     return 1;
@@ -258,7 +269,7 @@ int main(int argc, char** argv) {
   std::vector<Tally> tallies(tried.size());
   for (int i = 0; i < buildings; ++i) {
     const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
-    const absl::StatusOr<Scenario> scenario = Drive(seed);
+    const absl::StatusOr<Scenario> scenario = Drive(kind, seed, simulation);
     if (!scenario.ok()) return fail(scenario.status());
     for (std::size_t p = 0; p < tried.size(); ++p) {
       if (list) std::cerr << fmt::format("building {} preset {}\n", seed, tried[p].first);
