@@ -9,7 +9,7 @@
 namespace enfilade::doors {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
 
 std::variant<GapDetector, DerivativeDetector> Make(const DoorOptions& options) {
   if (options.method == DoorMethod::kGap) return GapDetector(options);

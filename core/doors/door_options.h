@@ -72,6 +72,7 @@ struct GapOptions {
   double min_angle = 28.0;   // deg between the line from post to post and the way
   double look_ahead = 2.2;   // m
   int hits = 3;              // scans that see the same place ahead
+  double sparse = 0.2;       // m from the scan before: from here on a scan counts twice
   double same_place = 0.40;  // m, between two sightings
   double lag = 1.0;          // m driven beyond the door before the decision
   double detour = 2.0;       // m: a way round within this radius speaks against a door
@@ -155,6 +156,7 @@ void VisitGapOptions(Options& o, Visit& visit) {
   visit("gap.min_angle", o.min_angle);
   visit("gap.look_ahead", o.look_ahead);
   visit("gap.hits", o.hits);
+  visit("gap.sparse", o.sparse);
   visit("gap.same_place", o.same_place);
   visit("gap.lag", o.lag);
   visit("gap.detour", o.detour);

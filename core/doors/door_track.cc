@@ -11,6 +11,7 @@ void PutTrack(BinaryWriter& writer, const DoorTrack& track) {
     writer.Put(value);
   }
   writer.Put<std::int32_t>(track.hits);
+  writer.Put<std::int32_t>(track.weight);
   writer.Put(track.last_hit);
   writer.Put(track.door);
   writer.Put<std::uint8_t>(track.reported);
@@ -25,6 +26,7 @@ DoorTrack GetTrack(BinaryReader& reader) {
     *value = reader.Get<double>();
   }
   track.hits = reader.Get<std::int32_t>();
+  track.weight = reader.Get<std::int32_t>();
   track.last_hit = reader.Get<TimeNs>();
   track.door = reader.Get<std::int64_t>();
   track.reported = reader.Get<std::uint8_t>() != 0;

@@ -13,7 +13,8 @@ namespace enfilade::doors {
 // A narrow place that was seen ahead.
 struct DoorTrack {
   Narrows narrows;
-  int hits = 0;  // scans that saw it
+  int hits = 0;    // scans that saw it
+  int weight = 0;  // of these scans: one far from the scan before it counts twice
   TimeNs last_hit = 0;
   std::int64_t door = 0;  // its number once latched; 0: not yet
   bool reported = false;  // as a candidate, or not to be

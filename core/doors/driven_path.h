@@ -37,6 +37,8 @@ class DrivenPath {
     Eigen::Vector2d from = Eigen::Vector2d::Zero();  // odometry frame
     Eigen::Vector2d to = Eigen::Vector2d::Zero();
     double middle = 0.0;  // travelled, m
+
+    double length() const { return (to - from).norm(); }
   };
   Step LastStep() const;
 

@@ -77,9 +77,11 @@ void GapDetector::SearchAhead(std::vector<DoorEvent>& events) {
   if (track == tracks_.end()) track = tracks_.insert(tracks_.end(), DoorTrack{});
   track->narrows = found;
   track->hits += 1;
+  // Robots that scan rarely pass a door after two scans; these show as much as three close to each other.
+  track->weight += path_.LastStep().length() >= o.sparse ? 2 : 1;
   track->last_hit = time;
   track->crossed_at = -1.0;
-  if (track->hits < o.hits || track->door > 0 || !IsNewDoor(found)) return;
+  if (track->weight < o.hits || track->door > 0 || !IsNewDoor(found)) return;
   track->door = ++doors_;
   track->latch_time = time;
   track->T_odom_latch = pose;
@@ -104,7 +106,7 @@ bool GapDetector::IsNewDoor(const Narrows& door) const {
 void GapDetector::UpdateCrossings() {
   const DrivenPath::Step step = path_.LastStep();
   for (DoorTrack& track : tracks_) {
-    if (track.crossed_at < 0.0 && track.hits >= options_.gap.hits && Crosses(step.from, step.to, track.narrows)) {
+    if (track.crossed_at < 0.0 && track.weight >= options_.gap.hits && Crosses(step.from, step.to, track.narrows)) {
       track.crossed_at = step.middle;
     }
   }
@@ -114,7 +116,7 @@ DoorTrack* GapDetector::FindTrack(const Narrows& door) {
   DoorTrack* found = nullptr;
   for (DoorTrack& one : tracks_) {
     const double distance = (one.narrows.middle() - door.middle()).norm();
-    if (one.hits >= options_.gap.hits && distance < options_.gap.same_place) found = &one;
+    if (one.weight >= options_.gap.hits && distance < options_.gap.same_place) found = &one;
   }
   return found;
 }
@@ -147,6 +149,7 @@ void GapDetector::SearchBehind(std::vector<DoorEvent>& events) {
     for (DoorTrack& track : tracks_) {
       if (track.crossed_at < 0.0 || track.crossed_at + 2.0 * kCrossing > at) continue;
       track.hits = 0;  // done with
+      track.weight = 0;
       track.crossed_at = -1.0;
       track.reported = true;  // the robot went through: it is a passage, or no door
     }

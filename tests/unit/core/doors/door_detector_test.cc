@@ -94,6 +94,26 @@ TEST(DoorDetector, ReportsAPassageWithThePlaceOfTheDoor) {
   EXPECT_TRUE(Only(events, Kind::kCandidate).empty()) << "it was driven through";
 }
 
+// Two scans, each 0.3 m after the one before, see the door ahead. Of a robot that scans often two are too few.
+TEST(DoorDetector, TwoScansFarFromEachOtherSeeADoor) {
+  simulator::SimulationOptions sparse;
+  sparse.scan_hz = 2.0;
+  const char* kNearTheDoor = R"(
+areas:
+  - {id: a, rect: [0, 0, 6, 5], doors: [{id: d, side: east, at: 2.5, width: 1.0}]}
+  - {id: b, rect: [6, 0, 7, 5]}
+robots: [{id: r, route: [[5.05, 2.5], {door: d}, [10, 2.5]]}]
+)";
+  const Driven driven = Drive(kNearTheDoor, sparse);
+  DoorOptions each_once;
+  each_once.gap.sparse = 99.0;
+  const auto often = Only(Detect(driven.scans, each_once), Kind::kPassage);
+  const auto passages = Only(Detect(driven.scans), Kind::kPassage);
+  ASSERT_EQ(passages.size(), 1U);
+  EXPECT_THAT(passages[0].ahead.reason, HasSubstr("2 scans"));
+  EXPECT_TRUE(often.empty() || !often[0].ahead.met());
+}
+
 TEST(DoorDetector, ThePresetsOfMapManagerReportItToo) {
   const Driven driven = Drive(kStraight);
   for (const char* preset : {"original-yaml", "original-code"}) {
