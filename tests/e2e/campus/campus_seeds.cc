@@ -96,6 +96,10 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_flag("--simulate-odometry", options.log.simulate_odometry,
                "Logs: their odometry is a corrected path. It becomes the reference, and the robot gets a copy with "
                "errors (5 %, 3 deg/m), for each seed another");
+  app.add_option("--odometry-ahead", options.log.odometry_ahead,
+                 "Logs: their odometry runs so many samples ahead of the scans, and the robot gets it in time")
+      ->check(CLI::NonNegativeNumber)
+      ->excludes("--simulate-odometry");
   app.add_option("--range-max", options.range_max, "Logs: ranges of this or more mean \"no return\", m");
   app.add_option("--setting", options.settings, "A setting of the server, KEY=VALUE (may be repeated)");
   app.add_option("--report", options.report, "Write all figures into this file as JSON, again after every run");

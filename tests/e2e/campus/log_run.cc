@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -33,6 +35,28 @@ void WritePose(std::ostream& out, TimeNs time, const Pose2& pose) {
   out << fmt::format("{}.{:09d} {} {} {}\n", time / kNsPerSecond, time % kNsPerSecond, pose.x, pose.y, pose.yaw);
 }
 
+// Copies the log as JSON lines, with its odometry changed.
+void CopyLog(const fs::path& log, const fs::path& copy, const std::function<void(sensor::Odometry&)>& change) {
+  auto reader = sources::LogReader::Open(log);
+  if (!reader.ok()) throw std::runtime_error(std::string(reader.status().message()));
+  std::ofstream out(copy);
+  out << sources::JsonLinesHeader();
+  bool has_odometry = false;
+  while (true) {
+    auto entry = reader->Next();
+    if (!entry.ok()) throw std::runtime_error(std::string(entry.status().message()));
+    if (!*entry) break;
+    if (auto* odometry = std::get_if<sensor::Odometry>(&(*entry)->payload)) {
+      change(*odometry);
+      has_odometry = true;
+    }
+    const auto line = sources::ToJsonLine(**entry);
+    if (!line.ok()) throw std::runtime_error(std::string(line.status().message()));
+    out << *line;
+  }
+  if (!has_odometry) throw std::runtime_error(log.string() + ": has no odometry");
+}
+
 class LogExpedition {
  public:
   LogExpedition(WholeSystem& system, const LogRun& run) : system_(system), run_(run), log_(run.log) {
@@ -46,6 +70,9 @@ class LogExpedition {
       log_ = File(".log.jsonl");
       reference = File(".reference.txt");
       SimulateOdometry(run_, log_, reference);
+    } else if (run_.odometry_ahead > 0) {
+      log_ = File(".log.jsonl");
+      DelayOdometry(run_.log, run_.odometry_ahead, log_);
     }
     Drive();
     ReadState();
@@ -147,34 +174,30 @@ std::optional<double> LogResult::ratio() const {
 LogResult RunLog(WholeSystem& system, const LogRun& run) { return LogExpedition(system, run).Run(); }
 
 void SimulateOdometry(const LogRun& run, const fs::path& log, const fs::path& reference) {
-  auto reader = sources::LogReader::Open(run.log);
-  if (!reader.ok()) throw std::runtime_error(std::string(reader.status().message()));
-  std::ofstream out(log);
   std::ofstream right(reference);
-  out << sources::JsonLinesHeader();
   Noise noise(run.seed);
   std::optional<Pose2> last;
   Pose2 drifted;
-  while (true) {
-    auto entry = reader->Next();
-    if (!entry.ok()) throw std::runtime_error(std::string(entry.status().message()));
-    if (!*entry) break;
-    if (auto* odometry = std::get_if<sensor::Odometry>(&(*entry)->payload)) {
-      const Pose2 pose = odometry->T_odom_robot;
-      const Pose2 step = last ? Between(*last, pose) : Pose2{};
-      const double d = step.translation().norm();
-      const double turn = 3.0 * kDegree * std::sqrt(d) + 0.02 * std::abs(step.yaw);
-      const double longer = 1.0 + 0.05 * noise.Normal();
-      drifted = drifted * Pose2{step.x * longer, step.y * longer, step.yaw + turn * noise.Normal()};
-      WritePose(right, odometry->time, pose);
-      last = pose;
-      odometry->T_odom_robot = drifted;
-    }
-    const auto line = sources::ToJsonLine(**entry);
-    if (!line.ok()) throw std::runtime_error(std::string(line.status().message()));
-    out << *line;
-  }
-  if (!last) throw std::runtime_error(run.log.string() + ": has no odometry");
+  CopyLog(run.log, log, [&](sensor::Odometry& odometry) {
+    const Pose2 pose = odometry.T_odom_robot;
+    const Pose2 step = last ? Between(*last, pose) : Pose2{};
+    const double d = step.translation().norm();
+    const double turn = 3.0 * kDegree * std::sqrt(d) + 0.02 * std::abs(step.yaw);
+    const double longer = 1.0 + 0.05 * noise.Normal();
+    drifted = drifted * Pose2{step.x * longer, step.y * longer, step.yaw + turn * noise.Normal()};
+    WritePose(right, odometry.time, pose);
+    last = pose;
+    odometry.T_odom_robot = drifted;
+  });
+}
+
+void DelayOdometry(const fs::path& log, int samples, const fs::path& copy) {
+  std::deque<Pose2> poses;
+  CopyLog(log, copy, [&](sensor::Odometry& odometry) {
+    poses.push_back(odometry.T_odom_robot);
+    if (std::ssize(poses) > samples + 1) poses.pop_front();
+    odometry.T_odom_robot = poses.front();
+  });
 }
 
 }  // namespace enfilade::testing

@@ -21,7 +21,10 @@ struct LogRun {
   std::optional<PicturedRooms> rooms;  // to compare the maps with
   // The log's odometry is a corrected path: it becomes the reference, and the robot gets a copy of it with errors.
   bool simulate_odometry = false;
-  std::uint64_t seed = 1;            // of these errors
+  std::uint64_t seed = 1;  // of these errors
+  // The log's odometry runs ahead of its scans: the robot gets with each scan what the log has this many samples
+  // before.
+  int odometry_ahead = 0;
   std::vector<std::string> reading;  // options of `enfilade robot` and `enfilade slam` for reading the log
   std::filesystem::path keep;        // a folder for what is worth looking at; empty: nothing is kept
 };
@@ -60,5 +63,9 @@ LogResult RunLog(WholeSystem& system, const LogRun& run);
 // standard deviations of 0.05 d along, and 3 deg * sqrt(d) + 0.02 a in yaw. Writes the log's own odometry into
 // `reference`, lines "t x y yaw". Throws if the log cannot be read or has no odometry.
 void SimulateOdometry(const LogRun& run, const std::filesystem::path& log, const std::filesystem::path& reference);
+
+// Copies the log as JSON lines, with the pose that the sample `samples` before has in each sample of odometry. The
+// first ones keep the first pose. Throws as above.
+void DelayOdometry(const std::filesystem::path& log, int samples, const std::filesystem::path& copy);
 
 }  // namespace enfilade::testing

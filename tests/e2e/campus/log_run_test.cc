@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -15,9 +16,9 @@ namespace enfilade::testing {
 namespace {
 
 // A log whose odometry is 20 m straight ahead, in steps of 0.1 m.
-class SimulatedOdometryTest : public ::testing::Test {
+class ChangedOdometryTest : public ::testing::Test {
  protected:
-  SimulatedOdometryTest() {
+  ChangedOdometryTest() {
     std::ofstream out(File("log.jsonl"));
     out << sources::JsonLinesHeader();
     for (int i = 0; i <= 200; ++i) {
@@ -33,8 +34,12 @@ class SimulatedOdometryTest : public ::testing::Test {
     run.log = File("log.jsonl");
     run.seed = seed;
     SimulateOdometry(run, File("noisy.jsonl"), File("reference.txt"));
+    return ReadOdometry("noisy.jsonl");
+  }
+
+  std::vector<Pose2> ReadOdometry(const std::string& name) {
     std::vector<Pose2> poses;
-    auto reader = sources::LogReader::Open(File("noisy.jsonl"));
+    auto reader = sources::LogReader::Open(File(name));
     EXPECT_OK(reader);
     while (true) {
       const auto entry = reader->Next();
@@ -47,7 +52,7 @@ class SimulatedOdometryTest : public ::testing::Test {
   TemporaryDirectory directory_;
 };
 
-TEST_F(SimulatedOdometryTest, KeepsTheLogsOwnAsReference) {
+TEST_F(ChangedOdometryTest, KeepsTheLogsOwnAsReference) {
   EXPECT_EQ(Simulate(1).size(), 201U);
   const std::vector<TimedPose> reference = ReadTrajectory(File("reference.txt"));
   ASSERT_EQ(reference.size(), 201U);
@@ -55,7 +60,7 @@ TEST_F(SimulatedOdometryTest, KeepsTheLogsOwnAsReference) {
   EXPECT_DOUBLE_EQ(reference.back().pose.y, 1.0);
 }
 
-TEST_F(SimulatedOdometryTest, DriftsByTheSeed) {
+TEST_F(ChangedOdometryTest, DriftsByTheSeed) {
   const std::vector<Pose2> one = Simulate(1);
   EXPECT_EQ(one.front().x, 0.0) << "it starts at zero";
   const std::vector<Pose2> again = Simulate(1);
@@ -66,6 +71,13 @@ TEST_F(SimulatedOdometryTest, DriftsByTheSeed) {
   const double expected = 3.0 * kDegree * std::sqrt(20.0);  // after 20 m
   EXPECT_GT(std::sqrt(squares / 100.0), 0.8 * expected);
   EXPECT_LT(std::sqrt(squares / 100.0), 1.2 * expected);
+}
+
+TEST_F(ChangedOdometryTest, IsDelayedBySamples) {
+  DelayOdometry(File("log.jsonl"), 2, File("late.jsonl"));
+  const std::vector<Pose2> poses = ReadOdometry("late.jsonl");
+  ASSERT_EQ(poses.size(), 201U);
+  for (int i = 0; i <= 200; ++i) EXPECT_NEAR(poses[static_cast<std::size_t>(i)].x, 0.1 * std::max(0, i - 2), 1e-9) << i;
 }
 
 TEST(LogResult, RatioNeedsBothErrors) {
