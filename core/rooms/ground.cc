@@ -49,16 +49,6 @@ void FreeTrajectory(const grid::GridGeometry& geometry, std::span<const Eigen::V
   }
 }
 
-// Calls visit(cell) for the cells at the sides of `cell`.
-template <typename Visit>
-void VisitBeside(const GroundMap& ground, std::size_t cell, Visit&& visit) {
-  const auto width = static_cast<std::size_t>(ground.width);
-  if (cell % width > 0) visit(cell - 1);
-  if (cell % width + 1 < width) visit(cell + 1);
-  if (cell >= width) visit(cell - width);
-  if (cell + width < ground.cells.size()) visit(cell + width);
-}
-
 // Steps, up to `limit`, from the cells in `front` through those that `passable` allows; sides only. -1: not reached.
 template <typename Passable>
 std::vector<std::int16_t> StepsFrom(const GroundMap& ground, std::vector<std::size_t> front, int limit,
@@ -72,7 +62,7 @@ std::vector<std::int16_t> StepsFrom(const GroundMap& ground, std::vector<std::si
       steps[cell] = static_cast<std::int16_t>(step);
       next.push_back(cell);
     };
-    for (const std::size_t cell : front) VisitBeside(ground, cell, visit);
+    for (const std::size_t cell : front) ground.VisitSides(cell, visit);
     front = std::move(next);
   }
   return steps;
@@ -96,7 +86,7 @@ void CloseHoles(GroundMap& ground, int steps) {
     if (grown[cell] < 0 && ground.cells[cell] == Ground::kUnknown) outside.push_back(cell);
   };
   for (std::size_t i = 0; i < grown.size(); ++i) {
-    if (grown[i] > 0) VisitBeside(ground, i, add_outside);
+    if (grown[i] > 0) ground.VisitSides(i, add_outside);
   }
   const std::vector<std::int16_t> back =
       StepsFrom(ground, std::move(outside), steps, [&](std::size_t c) { return grown[c] > 0; });

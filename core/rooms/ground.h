@@ -52,6 +52,16 @@ struct GroundMap {
   bool IsOpen(int column, int row) const { return at(column, row) >= Ground::kOpen; }
   bool IsOpen(const Eigen::Vector2d& cell) const { return at(cell) >= Ground::kOpen; }
   bool IsOpen(std::size_t cell) const { return cells[cell] >= Ground::kOpen; }
+
+  // Calls visit(index) for the cells at the sides of `cell`: left, right, below, above.
+  template <typename Visit>
+  void VisitSides(std::size_t cell, Visit&& visit) const {
+    const auto columns = static_cast<std::size_t>(width);
+    if (cell % columns > 0) visit(cell - 1);
+    if (cell % columns + 1 < columns) visit(cell + 1);
+    if (cell >= columns) visit(cell - columns);
+    if (cell + columns < cells.size()) visit(cell + columns);
+  }
 };
 
 GroundMap ReadGround(const grid::OccupancyGrid& grid, const RoomOptions& options,

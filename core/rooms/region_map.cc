@@ -11,15 +11,6 @@ namespace {
 constexpr std::int32_t kUnvisited = -2;
 constexpr std::int32_t kOnLine = -3;
 
-template <typename Visit>
-void VisitSides(const GroundMap& ground, std::size_t cell, Visit&& visit) {
-  const auto width = static_cast<std::size_t>(ground.width);
-  if (cell % width > 0) visit(cell - 1);
-  if (cell % width + 1 < width) visit(cell + 1);
-  if (cell >= width) visit(cell - width);
-  if (cell + width < ground.cells.size()) visit(cell + width);
-}
-
 void Flood(const GroundMap& ground, RegionMap& map) {
   std::vector<std::size_t> stack;
   for (std::size_t start = 0; start < map.region.size(); ++start) {
@@ -32,7 +23,7 @@ void Flood(const GroundMap& ground, RegionMap& map) {
       const std::size_t cell = stack.back();
       stack.pop_back();
       ++map.sizes.back();
-      VisitSides(ground, cell, [&](std::size_t neighbour) {
+      ground.VisitSides(cell, [&](std::size_t neighbour) {
         if (map.region[neighbour] != kUnvisited) return;
         map.region[neighbour] = region;
         stack.push_back(neighbour);
@@ -74,7 +65,7 @@ void FillLines(const GroundMap& ground, std::vector<std::size_t> cells, RegionMa
     std::vector<std::size_t> left;
     for (const std::size_t cell : cells) {
       std::int32_t region = RegionMap::kNone;
-      VisitSides(ground, cell, [&](std::size_t neighbour) {
+      ground.VisitSides(cell, [&](std::size_t neighbour) {
         if (region < 0 && map.region[neighbour] >= 0) region = map.region[neighbour];
       });
       if (region >= 0) {
