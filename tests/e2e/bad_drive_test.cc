@@ -28,7 +28,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kCampus = "random:8010";
+constexpr const char* kCampus = "random:14001";
 constexpr const char* kRobot = "robot";
 constexpr TimeNs kDay = 24 * 3600 * kNsPerSecond;
 

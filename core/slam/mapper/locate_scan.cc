@@ -10,12 +10,7 @@
 namespace enfilade::slam {
 namespace {
 
-constexpr double kExact = 1e-3;            // m, rad
-constexpr double kAllAround = 1.5 * M_PI;  // rad: with this field of view, a turn shows nothing new on one side only
-
-bool LooksAllAround(const sensor::LaserScan& scan) {
-  return std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size()) > kAllAround;
-}
+constexpr double kExact = 1e-3;  // m, rad
 
 }  // namespace
 
@@ -39,7 +34,7 @@ LocatedScan LocateScan(const Track& last, const sensor::PairedScan& scan, const 
   located.information = InformationOf(motion.sigma_translation, motion.sigma_yaw);
   if (options.match_scans) {
     const auto match_from = [&](const PredictedMotion& expected) {
-      return MatchLocally(map, rays.hits, last.T_submap_robot, expected, options.local, !LooksAllAround(scan.scan));
+      return MatchLocally(map, rays.hits, last.T_submap_robot, expected, options.local);
     };
     LocalMatch match = match_from(motion);
     if (!match.good && motion.by_odometry) {  // without odometry

@@ -33,10 +33,9 @@ bool IsBetter(const LocalMatch& match, const LocalMatch& nearer, const LocalMatc
 }
 
 LocalMatch MatchFrom(const LocalMap& map, const std::vector<Eigen::Vector2d>& points, const Pose2& guess,
-                     const PosePrior& prior, const LocalMatchOptions& options, bool along_normals) {
+                     const PosePrior& prior, const LocalMatchOptions& options) {
   LocalMatch result;
-  result.match = MatchToField(map.fields.field, points, guess, prior, options.field,
-                              along_normals ? SurfaceNormals(points) : std::vector<Eigen::Vector2d>{});
+  result.match = MatchToField(map.fields.field, points, guess, prior, options.field, SurfaceNormals(points));
   result.agreement =
       MeasureAgreement(map.grid, map.fields.field, points, result.match.T_submap_robot, options.field.matched_distance);
   result.good = result.agreement.matched_share >= options.min_matched_share &&
@@ -45,9 +44,9 @@ LocalMatch MatchFrom(const LocalMap& map, const std::vector<Eigen::Vector2d>& po
 }
 
 LocalMatch MatchWithin(const LocalMap& map, const std::vector<Eigen::Vector2d>& points, const SearchWindow& window,
-                       const PosePrior& prior, const LocalMatchOptions& options, bool along_normals) {
+                       const PosePrior& prior, const LocalMatchOptions& options) {
   const SearchResult found = SearchPose(map.fields.table, Subsampled(points, kSearchPoints), window);
-  if (found.score > 0.0) return MatchFrom(map, points, found.pose, prior, options, along_normals);
+  if (found.score > 0.0) return MatchFrom(map, points, found.pose, prior, options);
   LocalMatch result;
   result.match.T_submap_robot = found.pose;
   result.agreement = MeasureAgreement(map.grid, map.fields.field, points, found.pose, options.field.matched_distance);
@@ -98,7 +97,7 @@ Agreement MeasureAgreement(const SubmapGrid& grid, const LikelihoodField& field,
 }
 
 LocalMatch MatchLocally(const LocalMap& map, const std::vector<Eigen::Vector2d>& hits, const Pose2& T_submap_last,
-                        const PredictedMotion& motion, const LocalMatchOptions& options, bool along_normals) {
+                        const PredictedMotion& motion, const LocalMatchOptions& options) {
   const std::vector<Eigen::Vector2d> points = Thinned(hits, options.point_spacing);
   const Pose2 predicted = T_submap_last * motion.T_last_now;
   LocalMatch best;
@@ -115,13 +114,13 @@ LocalMatch MatchLocally(const LocalMap& map, const std::vector<Eigen::Vector2d>&
     // In wide windows only a pose that would be believed is worth finding. This minimum bounds the cost of the search.
     if (widening > 0) window.min_score = kMinWideScore;
     const PosePrior prior{predicted, InformationOf(window.sigma_translation, window.sigma_yaw)};
-    const LocalMatch match = MatchWithin(map, points, window, prior, options, along_normals);
+    const LocalMatch match = MatchWithin(map, points, window, prior, options);
     if (widening == 0) {
       best = match;
       if (motion.by_odometry) continue;
       // The search scores points on ground not yet seen as misses and so favours standing still. The agreement ignores
       // them: constant velocity is preferred if it fits the known ground as well.
-      const LocalMatch ahead = MatchFrom(map, points, predicted, prior, options, along_normals);
+      const LocalMatch ahead = MatchFrom(map, points, predicted, prior, options);
       if (IsSure(ahead, options) && ahead.agreement.agreement() >= best.agreement.agreement()) best = ahead;
     } else if (IsBetter(match, best, options)) {
       best = match;

@@ -60,9 +60,9 @@ bool IsSure(const LocalMatch& match, const LocalMatchOptions& options);
 bool IsUnmistakable(const LocalMatch& match);
 
 // The scan's pose in the active submap: a correlative search about the predicted pose, in wider windows if a narrow one
-// finds no sure match, refined by MatchToField with the prediction as prior. If there is no good match the pose is the
-// prediction and its information zero. `along_normals`: with SurfaceNormals, for scanners that do not look all around.
+// finds no sure match, refined by MatchToField along the scan's SurfaceNormals with the prediction as prior. If there
+// is no good match the pose is the prediction and its information zero.
 LocalMatch MatchLocally(const LocalMap& map, const std::vector<Eigen::Vector2d>& hits, const Pose2& T_submap_last,
-                        const PredictedMotion& motion, const LocalMatchOptions& options, bool along_normals = false);
+                        const PredictedMotion& motion, const LocalMatchOptions& options);
 
 }  // namespace enfilade::slam
