@@ -19,7 +19,8 @@ struct ErrorStatistics {
 
 // The variance of unit weight: covariances that follow from the options' standard deviations are to be multiplied by
 // it (Foerstner, Wrobel 2016: Photogrammetric Computer Vision, eq. 4.90). The matches' residuals stand for the pose
-// graph's where that has no or few loop closures. 1 if nothing is known.
+// graph's where that has no or few loop closures. Closures of neighbouring keyframes match nearly the same walls and
+// share a part of their errors: together they prove less than their number says. 1 if nothing is known.
 double VarianceFactor(const ErrorStatistics& statistics);
 
 }  // namespace enfilade::slam
