@@ -2,7 +2,6 @@
 #include "core/slam/mapper/locate_scan.h"
 
 #include <Eigen/Dense>
-#include <cmath>
 
 #include "core/slam/mapper/policies.h"
 #include "core/slam/matching/motion_model.h"
